@@ -10,73 +10,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-source tests/support/opt_in.sh
-
-# Kelp's dependencies for another system, in build/ports/SYSTEM/prefix: headers of this machine's packages,
-# zstd and GoogleTest from the sources that Debian has of them. prepare SYSTEM CMAKE_ARGUMENT...
-prepare() {
-  local system=$1 work=$PWD/build/ports
-  shift
-  local prefix=$work/$system/prefix
-  need libglm-dev libxxhash-dev nlohmann-json3-dev libcli11-dev libfmt-dev libgtest-dev dpkg-dev cmake \
-    ninja-build
-  [ -e "$prefix/complete" ] && return 0
-  mkdir -p "$prefix/include" "$prefix/share/cmake"
-  cp -r /usr/include/{glm,nlohmann,CLI,fmt,xxhash.h} "$prefix/include/"
-  cp -r /usr/share/cmake/glm /usr/share/cmake/nlohmann_json /usr/share/cmake/CLI11 "$prefix/share/cmake/"
-  mkdir -p "$prefix/share/cmake/fmt"  # its headers alone, in place of this machine's library
-  cat >"$prefix/share/cmake/fmt/fmt-config.cmake" <<END
-add_library(fmt::fmt INTERFACE IMPORTED)
-target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
-target_include_directories(fmt::fmt INTERFACE "$prefix/include")
-END
-  fetch_zstd
-  build_dependency "$work/zstd/build/cmake" "$work/$system/zstd" "$prefix" \
-    -DZSTD_BUILD_PROGRAMS=OFF -DZSTD_BUILD_SHARED=OFF -DZSTD_MULTITHREAD_SUPPORT=OFF "$@"
-  build_dependency /usr/src/googletest "$work/$system/googletest" "$prefix" -DBUILD_GMOCK=OFF "$@"
-  touch "$prefix/complete"
-}
-
-build_dependency() {
-  local source=$1 build=$2 prefix=$3
-  shift 3
-  {
-    cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
-      -DKELP_PORT_PREFIX="$prefix" "$@" && cmake --build "$build" && cmake --install "$build"
-  } >"$build.log" 2>&1 || { tail -20 "$build.log" >&2; fail "$source did not build, see $build.log"; }
-}
-
-# The Debian repository that apt on this machine is configured with: "URI SUITE".
-debian_repository() {
-  local suite found
-  suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
-  found=$(apt-get indextargets --format '$(REPO_URI) $(RELEASE)' 'Created-By: Packages' 'Origin: Debian' \
-    'Component: main' "Codename: $suite")
-  [ -n "$found" ] || fail "apt has no repository of Debian's $suite; add it, then apt-get update"
-  head -n 1 <<<"$found"
-}
-
-# zstd's source from Debian: the version that libzstd-dev has. apt checks its signature. A list of sources of
-# its own leaves this machine's lists as they are.
-fetch_zstd() {
-  local work=$PWD/build/ports repository
-  [ -d "$work/zstd" ] && return 0
-  repository=$(debian_repository)
-  rm -rf "$work/apt" "$work/source" && mkdir -p "$work/apt/lists/partial" "$work/source"
-  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $repository main" \
-    >"$work/apt/sources.list"
-  (
-    cd "$work/source" || exit 1
-    own_apt() {
-      apt-get -qq -o Dir::Etc::SourceList="$work/apt/sources.list" -o Dir::Etc::SourceParts=/nonexistent \
-        -o Dir::State::Lists="$work/apt/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache= \
-        -o APT::Sandbox::User=root "$@"
-    }
-    own_apt update && own_apt source --download-only libzstd &&
-      dpkg-source --no-check -x libzstd_*.dsc "$work/zstd"
-  ) >"$work/source.log" 2>&1 ||
-    { tail -5 "$work/source.log" >&2; fail "no source of zstd from Debian, see $work/source.log"; }
-}
+source tools/port_prefix.sh
 
 port_debian() {
   [ "$(id -u)" -eq 0 ] || fail "debian: needs root, to make a fresh Debian in a folder"
@@ -106,6 +40,7 @@ port_debian() {
 port_windows() {
   need g++-mingw-w64-x86-64-posix wine64
   prepare windows -DCMAKE_TOOLCHAIN_FILE="$PWD/tools/cmake/toolchain_windows.cmake"
+  prepare_googletest windows -DCMAKE_TOOLCHAIN_FILE="$PWD/tools/cmake/toolchain_windows.cmake"
   cmake --preset windows
   cmake --build --preset windows
   WINEPREFIX="$PWD/build/ports/wine" WINEDEBUG=-all ctest --preset windows
@@ -117,7 +52,9 @@ port_web() {
   export NODE_PATH=/usr/share/nodejs
   export NODE_OPTIONS=--no-experimental-fetch  # emscripten 3.1.6 takes a node with fetch() for a browser
   local toolchain=/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake
-  prepare web -DCMAKE_TOOLCHAIN_FILE=$toolchain -DCMAKE_CXX_FLAGS=-fexceptions -Dgtest_disable_pthreads=ON
+  prepare web -DCMAKE_TOOLCHAIN_FILE=$toolchain
+  prepare_googletest web -DCMAKE_TOOLCHAIN_FILE=$toolchain -DCMAKE_CXX_FLAGS=-fexceptions \
+    -Dgtest_disable_pthreads=ON
   cmake --preset web
   cmake --build --preset web
   ctest --preset web
