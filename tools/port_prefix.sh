@@ -17,6 +17,9 @@ prepare() {
   cp -r /usr/share/cmake/glm /usr/share/cmake/nlohmann_json /usr/share/cmake/CLI11 "$prefix/share/cmake/"
   mkdir -p "$prefix/share/cmake/fmt"  # its headers alone, in place of this machine's library
   cat >"$prefix/share/cmake/fmt/fmt-config.cmake" <<END
+if(TARGET fmt::fmt)
+  return()
+endif()
 add_library(fmt::fmt INTERFACE IMPORTED)
 target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
 target_include_directories(fmt::fmt INTERFACE "$prefix/include")

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: MIT
-"""Drives Chromium by the DevTools protocol: one page, JavaScript in it, mouse, touch, keys, screenshots."""
+"""Drives Chromium by the DevTools protocol, over a pipe: JavaScript in a page, mouse, keys, screenshots."""
 
 import base64
 import json
+import os
+import select
 import shutil
 import subprocess
 import tempfile
 import time
 
-from websockets.sync.client import connect
-
 FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu-sandbox", "--use-angle=swiftshader",
          "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--no-first-run", "--hide-scrollbars",
-         "--enable-precise-memory-info", "--js-flags=--expose-gc", "--remote-debugging-port=0"]
+         "--enable-precise-memory-info", "--js-flags=--expose-gc", "--remote-debugging-pipe"]
 
 
 class Chromium:
@@ -20,42 +20,53 @@ class Chromium:
 
     def __init__(self, size=(960, 640), flags=(), program=None):
         self.profile = tempfile.mkdtemp(prefix="kelp_chromium_")
+        to_browser, self.to = os.pipe()
+        self.back, from_browser = os.pipe()
+        words = [program or shutil.which("chromium"), *FLAGS, *flags, f"--user-data-dir={self.profile}",
+                 f"--window-size={size[0]},{size[1]}", "about:blank"]
+        # Chromium reads from descriptor 3 and writes to 4.
         self.process = subprocess.Popen(
-            [program or shutil.which("chromium"), *FLAGS, *flags, f"--user-data-dir={self.profile}",
-             f"--window-size={size[0]},{size[1]}", "about:blank"],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.socket, self.number, self.events = connect(self._target(), max_size=1 << 28), 0, []
+            ["sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh", *words],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, pass_fds=(to_browser, from_browser))
+        os.close(to_browser)
+        os.close(from_browser)
+        self.received, self.number, self.session, self.events = b"", 0, None, []
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "DOM", "Log"):
             self.call(domain + ".enable")
+        self.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1,
+                  mobile=False)
 
-    def _target(self):
-        import urllib.request
-        end = time.monotonic() + 60
-        while time.monotonic() < end:
-            try:
-                with open(self.profile + "/DevToolsActivePort", encoding="ascii") as file:
-                    port = file.readline().strip()
-                with urllib.request.urlopen(f"http://127.0.0.1:{port}/json") as answer:
-                    pages = [t for t in json.load(answer) if t["type"] == "page"]
-                if pages:
-                    return pages[0]["webSocketDebuggerUrl"]
-            except (OSError, ValueError):
-                pass
-            time.sleep(0.1)
-        raise RuntimeError("Chromium did not start")
+    def _receive(self, timeout):
+        end = time.monotonic() + timeout
+        while b"\0" not in self.received:
+            if not select.select([self.back], [], [], max(end - time.monotonic(), 0))[0]:
+                raise RuntimeError("Chromium does not answer")
+            piece = os.read(self.back, 1 << 20)
+            if not piece:
+                raise RuntimeError("Chromium ended")
+            self.received += piece
+        message, self.received = self.received.split(b"\0", 1)
+        return json.loads(message)
 
     def call(self, method, timeout=300, **parameters):
         self.number += 1
-        self.socket.send(json.dumps({"id": self.number, "method": method, "params": parameters}))
+        message = {"id": self.number, "method": method, "params": parameters}
+        if self.session:
+            message["sessionId"] = self.session
+        data = json.dumps(message).encode() + b"\0"
+        while data:
+            data = data[os.write(self.to, data):]
         end = time.monotonic() + timeout
         while True:
-            message = json.loads(self.socket.recv(timeout=max(end - time.monotonic(), 0.1)))
-            if message.get("id") == self.number:
-                if "error" in message:
-                    raise RuntimeError(f"{method}: {message['error']['message']}")
-                return message["result"]
-            if message.get("method") in ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled"):
-                self.events.append(message)
+            answer = self._receive(max(end - time.monotonic(), 0))
+            if answer.get("id") == self.number:
+                if "error" in answer:
+                    raise RuntimeError(f"{method}: {answer['error']['message']}")
+                return answer["result"]
+            if answer.get("method") in ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled"):
+                self.events.append(answer)
 
     def open(self, address):
         self.call("Page.navigate", url="about:blank")
