@@ -43,7 +43,7 @@ export async function create(canvas, options = {}) {
 
 export class View extends EventTarget {
   #module; #gl; #attributes; #handle = 0; #options;
-  #streamer = null; #asked = 0; #frame = 0; #last = 0; #resize;
+  #streamer = null; #asked = 0; #frame = 0; #last = null; #resize;
   #staging; #lost = false; #ended = false; #loads = 0; #opening = null;
   #clip = -1; #time = 0; #speed = 1; #playing = false;
   #camera = {yaw: 30, pitch: 15, zoom: 1, pan: [0, 0]};
@@ -100,8 +100,8 @@ export class View extends EventTarget {
     if (!this.#module._kelp_begin(bytes.size)) throw new KelpError(this.#takeProblem());
     return new Promise((done, failed) => {
       this.#opening = {done, failed, baked};
-      this.#fed();
       streamer.start();
+      this.#fed();
     });
   }
 
@@ -120,6 +120,7 @@ export class View extends EventTarget {
           module._kelp_feed(offset + i, this.#staging, piece.length);
         }
       },
+      expect: ({offset, length}) => module._kelp_expect(offset, length),
       giveUp: ({offset, length}) => module._kelp_give_up(offset, length),
       arrived: () => this.sizes().arrived,
     };
@@ -265,9 +266,11 @@ export class View extends EventTarget {
     if (this.#asked || this.#ended) return;
     this.#asked = requestAnimationFrame((now) => {
       this.#asked = 0;
-      const flags = this.#draw(Math.min((now - this.#last) / 1000, 0.1));
+      const flags = this.#draw(this.#last === null ? 1 / 60 : Math.min((now - this.#last) / 1000, 0.5));
+      this.#last = null;
+      if (!(flags & (MOVES | CHANGED)) && !this.#playing) return;
       this.#last = now;
-      if (flags & (MOVES | CHANGED) || this.#playing) this.invalidate();
+      this.invalidate();
     });
   }
 

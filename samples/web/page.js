@@ -173,6 +173,7 @@ async function main() {
     return;
   }
   performance.mark('ready');
+  for (const type of ['picture', 'fine']) element.addEventListener(type, () => performance.mark(type));
   listen();
   const address = link.get('src') ?? $('model').options[0].value;
   $('model').value = [...$('model').options].some((o) => o.value === address) ? address : '';

@@ -141,7 +141,9 @@ export class Streamer {
   }
   start() {
     if (!this.source.first) return this.pull();
-    this.#run({offset: 0, length: this.source.ranges ? FIRST_BYTES : this.source.size, first: true});
+    const first = {offset: 0, length: this.source.ranges ? FIRST_BYTES : this.source.size, first: true};
+    this.heap.expect(first);
+    this.#run(first);
   }
   retry() {
     this.#failed = false;

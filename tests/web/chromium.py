@@ -35,8 +35,7 @@ class Chromium:
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "DOM", "Log"):
             self.call(domain + ".enable")
-        self.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1,
-                  mobile=False)
+        self.resize(*size)
 
     def _receive(self, timeout):
         end = time.monotonic() + timeout
@@ -67,6 +66,11 @@ class Chromium:
                 return answer["result"]
             if answer.get("method") in ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled"):
                 self.events.append(answer)
+
+    def resize(self, width, height, scale=1.0, mobile=False):
+        """scale: pixels to a CSS pixel."""
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale,
+                  mobile=mobile)
 
     def open(self, address):
         self.call("Page.navigate", url="about:blank")

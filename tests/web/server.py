@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A web server for the tests: one folder, with byte ranges, a throttle, and faults that an address asks for.
+"""A web server for the tests: a folder, with byte ranges, a throttle, and faults that an address asks for.
 
     /packs/plant.kelp?rate=1        sends 1 Mbit/s, all requests of that rate together
     ...?noranges                    answers 200 with the whole file
@@ -8,7 +8,7 @@
     ...?claim=N                     says that the file has N bytes
     ...?status=N                    answers with that status
 
-By hand: python3 samples/web/test/server.py build/web_page/page 8000
+By hand: python3 tests/web/server.py build/web_page/page 8000
 """
 
 import http.server
@@ -44,8 +44,10 @@ class Server(http.server.ThreadingHTTPServer):
     daemon_threads = True
     request_queue_size = 64
 
-    def __init__(self, folder, port=0):
+    def __init__(self, folder, port=0, test_folder=None):
+        """test_folder: what lies below /test/."""
         self.folder = os.path.realpath(folder)
+        self.test_folder = os.path.realpath(test_folder or folder)
         self.throttles, self.lock = {}, threading.Lock()
         self.sent = {}  # bytes of each path
         super().__init__(("127.0.0.1", port), Handler)
@@ -75,11 +77,14 @@ class Handler(http.server.BaseHTTPRequestHandler):
     def do_GET(self):
         url = urllib.parse.urlsplit(self.path)
         asked = dict(urllib.parse.parse_qsl(url.query, keep_blank_values=True))
-        path = os.path.realpath(os.path.join(self.server.folder, urllib.parse.unquote(url.path).lstrip("/")))
+        folder, name = self.server.folder, urllib.parse.unquote(url.path).lstrip("/")
+        if name.startswith("test/"):
+            folder, name = self.server.test_folder, name[len("test/"):]
+        path = os.path.realpath(os.path.join(folder, name))
         if os.path.isdir(path):
             path = os.path.join(path, "index.html")
         status = int(asked.get("status", 200))
-        if not path.startswith(self.server.folder + os.sep) or not os.path.isfile(path):
+        if not path.startswith(folder + os.sep) or not os.path.isfile(path):
             status = 404
         if status != 200:
             return self.answer(status, b"", 0, None, path, asked)

@@ -51,6 +51,10 @@ EMSCRIPTEN_KEEPALIVE const double* kelp_take(double most) {
 EMSCRIPTEN_KEEPALIVE void kelp_feed(double offset, const std::byte* bytes, std::size_t count) {
   if (viewer->store()) viewer->store()->feed(static_cast<std::uint64_t>(offset), {bytes, count});
 }
+EMSCRIPTEN_KEEPALIVE void kelp_expect(double offset, double length) {
+  if (viewer->store())
+    viewer->store()->expect({static_cast<std::uint64_t>(offset), static_cast<std::uint64_t>(length)});
+}
 EMSCRIPTEN_KEEPALIVE void kelp_give_up(double offset, double length) {
   if (viewer->store())
     viewer->store()->giveUp({static_cast<std::uint64_t>(offset), static_cast<std::uint64_t>(length)});

@@ -65,11 +65,11 @@ RangeStore::Range RangeStore::take(std::uint64_t most) {
   return {from, std::min(size_, std::uint64_t{end} * kBlock) - from};
 }
 
-void RangeStore::giveUp(const Range& range) {
+void RangeStore::mark(const Range& range, bool in_flight) {
   if (range.length == 0 || range.offset >= size_) return;
   const std::uint64_t end = std::min(size_, range.offset + range.length);
   for (auto i = static_cast<std::size_t>(range.offset / kBlock); std::uint64_t{i} * kBlock < end; ++i)
-    blocks_[i].in_flight = false;
+    blocks_[i].in_flight = in_flight;
 }
 
 void RangeStore::feed(std::uint64_t offset, std::span<const std::byte> bytes) {

@@ -35,10 +35,12 @@ class RangeStore {
   // it, at most `most` bytes, but at least a block. It counts as being fetched until feed() or giveUp().
   Range take(std::uint64_t most);
   bool wantsMore() const;
+  // Somebody fetches these bytes already.
+  void expect(const Range& range) { mark(range, true); }
   // Bytes that have arrived. A block is filled from its begin on; bytes that leave a gap are dropped.
   void feed(std::uint64_t offset, std::span<const std::byte> bytes);
   // Nobody fetches these bytes any more: the request ended, whether or not they all arrived.
-  void giveUp(const Range& range);
+  void giveUp(const Range& range) { mark(range, false); }
 
  private:
   struct Block {
@@ -51,6 +53,7 @@ class RangeStore {
   static Read read(void* user, std::uint64_t offset, std::span<std::byte> bytes);
   std::uint32_t lengthOf(std::size_t block) const;
   bool isWhole(std::size_t block) const { return blocks_[block].filled == lengthOf(block); }
+  void mark(const Range& range, bool in_flight);
   void makeRoom();
 
   std::uint64_t size_ = 0, arrived_ = 0, held_ = 0;

@@ -200,10 +200,10 @@ void Viewer::poseNow(int clip, double clip_seconds, float step_seconds) {
 }
 
 bool Viewer::swings() const {
-  constexpr float kStill = 2e-5f;  // heights of a part: less than a tenth of a pixel
+  constexpr float kStill = 3e-4f;  // heights of a part: less than half a pixel
   for (int part = 0; part < spring_.parts(); ++part)
     for (const runtime::Swing& swing : spring_.knots(part))
-      if (glm::length(swing.offset) > kStill || glm::length(swing.velocity) > kStill) return true;
+      if (glm::length(swing.offset) > kStill || glm::length(swing.velocity) > 4 * kStill) return true;
   return grab_.part >= 0;
 }
 
