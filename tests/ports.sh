@@ -5,7 +5,8 @@
 #                            Debian and uses them there (as root; downloads some 500 MB)
 #   tests/ports.sh windows   cross-compiles the runtime and kelp-dump with mingw-w64, runs their tests in wine
 #   tests/ports.sh web       compiles the runtime with emscripten, runs its tests in node, links a program
-#                            with WebGL 2
+#                            with WebGL 2; then builds the page of samples/web and tests it in Chromium and
+#                            Firefox (KELP_WEB=page: this alone). Screenshots: build/web_page/tests
 # Names the packages to install if one is missing. Everything goes to build/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -46,8 +47,34 @@ port_windows() {
   WINEPREFIX="$PWD/build/ports/wine" WINEDEBUG=-all ctest --preset windows
 }
 
+# The page of samples/web in real browsers, with kelp-bake and kelp-render of this checkout.
+test_page() {
+  need chromium firefox-esr xvfb python3 brotli
+  local programs=$PWD/build/release/bin page=build/web_page/page out=build/web_page/tests failed=0 browser
+  if [ -n "${KELP_PROGRAMS:-}" ]; then
+    programs=$KELP_PROGRAMS
+  else
+    cmake --preset release >build/ports/web/release.log
+    cmake --build --preset release --target kelp-bake kelp-render
+  fi
+  KELP_BAKE=$programs/kelp-bake samples/web/build.sh
+  cmake -S tests/web -B build/web_page/native -G Ninja -DCMAKE_BUILD_TYPE=Release >build/ports/web/native.log
+  cmake --build build/web_page/native --target kelp_camera
+  python3 -B tests/web/sizes.py "$page"
+  for browser in firefox chromium; do
+    python3 -B tests/web/browsers.py "$browser" "$page" "$out" "$programs" build/web_page/native/kelp_camera ||
+      failed=1
+  done
+  [ "$failed" -eq 0 ] || fail "the page failed in a browser"
+}
+
 port_web() {
   need emscripten nodejs
+  if [ "${KELP_WEB:-}" = page ]; then
+    mkdir -p build/ports/web
+    test_page
+    return
+  fi
   # where Debian's modules are; a node that is not Debian's does not look there
   export NODE_PATH=/usr/share/nodejs
   export NODE_OPTIONS=--no-experimental-fetch  # emscripten 3.1.6 takes a node with fetch() for a browser
@@ -67,12 +94,13 @@ port_web() {
   said=$(node build/ports/web/page/draw.js tests/formats/golden/solid.kelp 2>&1 || true)
   echo "$said"
   [[ "$said" == *"parts loaded"*"no WebGL 2 here"* ]] || fail "the page did not load its pack"
+  test_page
 }
 
 main() {
   case "${1:-}" in
     debian|windows|web) "port_$1" ;;
-    -h|--help) sed -n '3,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
+    -h|--help) sed -n '3,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
     *) fail "give one of debian, windows, web; see --help" ;;
   esac
 }

@@ -14,6 +14,7 @@ const STYLE = `
   p.problem { border-top: 3px solid #c62828; }
   progress { position: absolute; inset: 0 0 auto 0; width: 100%; height: 4px; border: 0; appearance: none;
              background: transparent; accent-color: #2e9e5b; }
+  progress::-moz-progress-bar { background: #2e9e5b; }
   progress[hidden] { display: none; }
 `;
 

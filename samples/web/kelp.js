@@ -131,7 +131,12 @@ export class View extends EventTarget {
     if (this.#ended) return;
     const {arrived, total} = this.sizes();
     this.#tell('progress', {stage: 'load', arrived, total});
-    if (!this.#opening) return this.invalidate();
+    if (!this.#opening) {
+      // Between frames, too: where those are slow, what comes is decoded, and more is asked for.
+      this.#guard(() => this.#module._kelp_load(), 0);
+      this.#streamer.pull();
+      return this.invalidate();
+    }
     const opened = this.#guard(() => this.#module._kelp_open(), -1);
     if (opened > 0) {
       this.description = JSON.parse(this.#module.UTF8ToString(this.#module._kelp_description()));

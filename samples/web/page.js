@@ -4,7 +4,8 @@ import './kelp-view.js';
 
 const $ = (id) => document.getElementById(id);
 const element = $('view'), axes = ['x', 'y', 'z'];
-let view = null, source = null;  // source: the address of the pack; null for a file of the visitor's
+// source: the address of the pack, or null for a file of the visitor's; name: of either.
+let view = null, source = null, name = '';
 
 const megabytes = (bytes) => bytes < 1e5 ? `${Math.ceil(bytes / 1000)} KB` : `${(bytes / 1e6).toFixed(1)} MB`;
 const say = (text) => { $('facts').textContent = text; };
@@ -50,8 +51,8 @@ function applyLink(link) {
 
 // --- the panel -----------------------------------------------------------------------------------
 function showPack(description) {
-  $('clip').replaceChildren(option('none', ''), ...description.clips.map(({name}) => option(name, name)));
-  $('part').replaceChildren(...description.parts.map(({name}, i) => option(name || `part ${i}`, i)));
+  $('clip').replaceChildren(option('none', ''), ...description.clips.map((clip) => option(clip.name, clip.name)));
+  $('part').replaceChildren(...description.parts.map((part, i) => option(part.name || `part ${i}`, i)));
   $('part_row').hidden = description.parts.length < 2;
   showKnots();
   const voxels = Math.max(...description.parts.flatMap(({size}) => size));
@@ -88,6 +89,7 @@ async function open(what, address = null) {
   $('retry').hidden = true;
   say('');
   source = address;
+  name = (address ?? what.name).split('/').pop().replace(/[?#].*/, '').replace(/\.(kelp|vox)$/i, '');
   try {
     const description = await element.load(what);
     showPack(description);
@@ -120,7 +122,7 @@ async function save() {
   if (!bytes) return say('This pack is your own file already.');
   const link = document.createElement('a');
   link.href = URL.createObjectURL(new Blob([bytes]));
-  link.download = (source ?? 'model').split('/').pop().replace(/\.(kelp|vox)$/, '') + '.kelp';
+  link.download = `${name || 'model'}.kelp`;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   say(`Saved ${link.download}, ${megabytes(bytes.byteLength)}.`);
@@ -179,7 +181,7 @@ async function main() {
   $('model').value = [...$('model').options].some((o) => o.value === address) ? address : '';
   if (!await open(address, address)) return;
   if (!link.has('clip')) startClip();
-  else if (view.description.clips.some(({name}) => name === link.get('clip'))) {
+  else if (view.description.clips.some((clip) => clip.name === link.get('clip'))) {
     play(link.get('clip'), Number(link.get('time')) || 0);
     if (link.has('time')) view.pause();
   }

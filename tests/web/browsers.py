@@ -223,7 +223,7 @@ class Tests:
         self.check("and sways", self.run("return v.playing && v.clip === 'sway'"))
         saved = self.run("let n = null; HTMLAnchorElement.prototype.click = function() { n = this.download; };"
                          "document.getElementById('save').click(); await s(300); return n")
-        self.check("it can be saved", saved == "model.kelp", saved)
+        self.check("it can be saved", saved == "tree.kelp", saved)
 
     def faults(self):
         plant = "src=packs/kelp_plant.kelp?"

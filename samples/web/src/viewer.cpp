@@ -59,7 +59,7 @@ bool Viewer::start() {
   renderer_ = std::move(*renderer);
   if (asset_)
     if (const auto added = renderer_->add(*asset_); !added)
-      return tell("the pack cannot be drawn", added.error()), false;
+      return tell("The pack cannot be drawn", added.error()), false;
   return true;
 }
 
@@ -70,7 +70,7 @@ void Viewer::lose() {
 
 bool Viewer::begin(double size) {
   if (!(size >= 0) || size > static_cast<double>(RangeStore::kLargestPack)) {
-    problem_ = "the pack is said to have " + std::to_string(static_cast<long long>(size / 1e6)) +
+    problem_ = "The pack is said to have " + std::to_string(static_cast<long long>(size / 1e6)) +
                " MB; a page takes at most " + std::to_string(RangeStore::kLargestPack / 1000000) + " MB";
     return false;
   }
@@ -88,14 +88,14 @@ int Viewer::open() {
   auto asset = runtime::Asset::open(opening_store_->source(), options);
   if (!asset && asset.error().code == ErrorCode::kNotYet) return 0;
   std::unique_ptr<RangeStore> store = std::move(opening_store_);
-  if (!asset) return tell("this file cannot be shown", asset.error()), -1;
+  if (!asset) return tell("This file cannot be shown", asset.error()), -1;
   auto pose = runtime::Pose::create(**asset), base = runtime::Pose::create(**asset);
   auto spring = runtime::Spring::create(**asset, kSprings);
-  if (!pose || !base || !spring) return tell("this file cannot be shown", Error{ErrorCode::kOutOfMemory}), -1;
+  if (!pose || !base || !spring) return tell("This file cannot be shown", Error{ErrorCode::kOutOfMemory}), -1;
   dropAsset();
   description_.clear();
   if (const auto added = renderer_->add(**asset); !added)
-    return tell("this file cannot be drawn", added.error()), -1;
+    return tell("This file cannot be drawn", added.error()), -1;
   asset_ = std::move(*asset);
   store_ = std::move(store);
   pose_ = std::move(*pose);
@@ -176,10 +176,11 @@ void Viewer::aim() {
 
 bool Viewer::load() {
   bool changed = false;
+  if (!asset_) return changed;
   store_->beginPass();
   for (const double end = emscripten_get_now() + kLoadMilliseconds; emscripten_get_now() < end;) {
     const Result<bool> more = asset_->pump();
-    if (!more) tell("part of the pack cannot be read, coarser voxels stand in for it", more.error());
+    if (!more) tell("Part of the pack cannot be read, coarser voxels stand in for it", more.error());
     if (more && !*more) break;
     changed = true;
   }
@@ -221,11 +222,11 @@ int Viewer::frame(const glm::ivec2& pixels, int clip, double clip_seconds, float
   aim();
   view_.output = gl::Output::kDisplay;
   const Result<gl::Stats> uploaded = renderer_->upload(kUploadBytes);
-  if (!uploaded) return tell("the graphics card cannot hold this pack", uploaded.error()), what;
+  if (!uploaded) return tell("The graphics card cannot hold this pack", uploaded.error()), what;
   stats_ = *uploaded;
   const runtime::Instance one = instance();
   const Result<gl::Stats> drawn = renderer_->draw(view_, {&one, 1});
-  if (!drawn) return tell("the picture cannot be drawn", drawn.error()), what;
+  if (!drawn) return tell("The picture cannot be drawn", drawn.error()), what;
   if (has_fog_) (void)renderer_->draw(view_, {&one, 1}, gl::Pass::kFog);
   if (stats_.bytes_uploaded > 0) what |= kChanged;
   if (store_->wantsMore()) what |= kWaits;

@@ -68,7 +68,9 @@ class Viewer {
   void release();
   void stroke(const glm::vec2& from, const glm::vec2& to, float seconds);
 
-  // Loads for some milliseconds, poses, uploads, draws. clip: -1 for none.
+  // Decodes for some milliseconds what has arrived, and says anew what is wanted. Whether there was anything.
+  bool load();
+  // Loads, poses, uploads, draws. clip: -1 for none.
   int frame(const glm::ivec2& pixels, int clip, double clip_seconds, float step_seconds);
   const runtime::Asset* asset() const { return asset_.get(); }
   double gpuBytesUsed() const { return static_cast<double>(stats_.gpu_bytes); }
@@ -80,7 +82,6 @@ class Viewer {
     glm::vec3 value{0};
   };
 
-  bool load();  // whether something was decoded
   void poseNow(int clip, double clip_seconds, float step_seconds);
   void aim();
   bool setOverride(const Override& value);
