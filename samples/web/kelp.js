@@ -133,7 +133,7 @@ export class View extends EventTarget {
     this.#tell('progress', {stage: 'load', arrived, total});
     if (!this.#opening) {
       // Between frames, too: where those are slow, what comes is decoded, and more is asked for.
-      this.#guard(() => this.#module._kelp_load(), 0);
+      this.#guard(() => this.#module._kelp_load(4), 0);
       this.#streamer.pull();
       return this.invalidate();
     }

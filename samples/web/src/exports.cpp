@@ -97,7 +97,7 @@ EMSCRIPTEN_KEEPALIVE void kelp_stroke(float from_x, float from_y, float to_x, fl
   viewer->stroke({from_x, from_y}, {to_x, to_y}, seconds);
 }
 
-EMSCRIPTEN_KEEPALIVE int kelp_load() { return viewer->load(); }
+EMSCRIPTEN_KEEPALIVE int kelp_load(double milliseconds) { return viewer->load(milliseconds); }
 EMSCRIPTEN_KEEPALIVE int kelp_frame(int width, int height, int clip, double clip_seconds,
                                     float step_seconds) {
   return viewer->frame({width, height}, clip, clip_seconds, step_seconds);

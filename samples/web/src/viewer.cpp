@@ -15,7 +15,6 @@
 namespace kelp::web {
 namespace {
 
-constexpr double kLoadMilliseconds = 8;             // of decoding, a frame
 constexpr std::uint64_t kUploadBytes = 4ull << 20;  // a frame
 constexpr std::uint64_t kMemory = 192ull << 20;     // of grids and pages
 constexpr float kFieldOfView = 35.0f;               // degrees, vertical; as kelp-render
@@ -174,11 +173,11 @@ void Viewer::aim() {
                                               std::max(distance - reach, 0.01f * distance), distance + reach);
 }
 
-bool Viewer::load() {
+bool Viewer::load(double milliseconds) {
   bool changed = false;
   if (!asset_) return changed;
   store_->beginPass();
-  for (const double end = emscripten_get_now() + kLoadMilliseconds; emscripten_get_now() < end;) {
+  for (const double end = emscripten_get_now() + milliseconds; emscripten_get_now() < end;) {
     const Result<bool> more = asset_->pump();
     if (!more) tell("Part of the pack cannot be read, coarser voxels stand in for it", more.error());
     if (more && !*more) break;
@@ -217,7 +216,8 @@ int Viewer::frame(const glm::ivec2& pixels, int clip, double clip_seconds, float
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   if (!renderer_ || !asset_) return opening_store_ && opening_store_->wantsMore() ? kWaits : 0;
-  int what = load() ? kChanged : 0;
+  // Where frames are slow anyway, decoding may take a larger part of them.
+  int what = load(std::clamp(400.0 * static_cast<double>(step_seconds), 8.0, 50.0)) ? kChanged : 0;
   poseNow(clip, clip_seconds, step_seconds);
   aim();
   view_.output = gl::Output::kDisplay;

@@ -69,7 +69,7 @@ class Viewer {
   void stroke(const glm::vec2& from, const glm::vec2& to, float seconds);
 
   // Decodes for some milliseconds what has arrived, and says anew what is wanted. Whether there was anything.
-  bool load();
+  bool load(double milliseconds);
   // Loads, poses, uploads, draws. clip: -1 for none.
   int frame(const glm::ivec2& pixels, int clip, double clip_seconds, float step_seconds);
   const runtime::Asset* asset() const { return asset_.get(); }
