@@ -57,6 +57,8 @@ ROOMS = {
                                  "tools/fields", "tools/rig"]),
     "tools/kelp-view": (None, ["formats", "runtime", "runtime/gl", "tools/common", "tools/rig"]),
     "samples": (None, ["formats", "runtime", "runtime/gl"]),
+    "samples/web/baker": (None, VOXELIZE + ["tools/import", "tools/bake", "tools/voxelize",
+                                            "tools/voxelize/surface"]),
 }
 
 CODE = (".cpp", ".h", ".inl")

@@ -58,12 +58,13 @@ test_page() {
     cmake --build --preset release --target kelp-bake kelp-render
   fi
   KELP_BAKE=$programs/kelp-bake samples/web/build.sh
-  cmake -S tests/web -B build/web_page/native -G Ninja -DCMAKE_BUILD_TYPE=Release >build/ports/web/native.log
+  cmake -S tests/web -B build/web_page/native -G Ninja -DCMAKE_BUILD_TYPE=Release \
+    >build/ports/web/native.log
   cmake --build build/web_page/native --target kelp_camera
   python3 -B tests/web/sizes.py "$page"
   for browser in firefox chromium; do
-    python3 -B tests/web/browsers.py "$browser" "$page" "$out" "$programs" build/web_page/native/kelp_camera ||
-      failed=1
+    python3 -B tests/web/browsers.py "$browser" "$page" "$out" "$programs" \
+      build/web_page/native/kelp_camera || failed=1
   done
   [ "$failed" -eq 0 ] || fail "the page failed in a browser"
 }

@@ -4,8 +4,8 @@
 
 source tests/support/opt_in.sh
 
-# Makes build/ports/SYSTEM/prefix: headers of this machine's packages, and zstd from the source that Debian has
-# of it. prepare SYSTEM CMAKE_ARGUMENT...
+# Makes build/ports/SYSTEM/prefix: headers of this machine's packages, and zstd from the source that Debian
+# has of it. prepare SYSTEM CMAKE_ARGUMENT...
 prepare() {
   local system=$1 work=$PWD/build/ports
   shift

@@ -52,7 +52,8 @@ stale() {
 # bake NAME RESOLUTION: one of kelp's own models.
 bake() {
   stale "$page/packs/$1.kelp" "$out/models/$1.glb" "$KELP_BAKE" || return 0
-  "$KELP_BAKE" "$out/models/$1.glb" -o "$page/packs/$1.kelp" --resolution "$2" --effort best >>"$out/bake.log" 2>&1 ||
+  "$KELP_BAKE" "$out/models/$1.glb" -o "$page/packs/$1.kelp" --resolution "$2" --effort best \
+    >>"$out/bake.log" 2>&1 ||
     { tail -5 "$out/bake.log" >&2; fail "$1 was not baked, see $out/bake.log"; }
 }
 
@@ -71,5 +72,4 @@ modules
 cp samples/web/{index.html,page.css,*.js,*.d.ts,package.json,README.md} "$page/"
 cp "$out"/modules/bin/*.{js,wasm} "$page/"
 packs
-du -ch "$page"/*.wasm | tail -1 >/dev/null
 echo "built $page"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Prints the matrices with which kelp-render draws a pack at rest, as JSON: kelp_camera PACK YAW PITCH ASPECT.
+// Prints the matrices with which kelp-render draws a pack at rest, as JSON: kelp_camera PACK YAW PITCH
+// ASPECT.
 #include "camera.h"
 
 #include <cstdio>
@@ -11,7 +12,8 @@ namespace {
 
 void print(const char* name, const glm::mat4& matrix, const char* end) {
   std::printf("\"%s\": [", name);
-  for (int i = 0; i < 16; ++i) std::printf("%s%.9g", i ? ", " : "", static_cast<double>(matrix[i / 4][i % 4]));
+  for (int i = 0; i < 16; ++i)
+    std::printf("%s%.9g", i ? ", " : "", static_cast<double>(matrix[i / 4][i % 4]));
   std::printf("]%s", end);
 }
 

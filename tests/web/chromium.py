@@ -64,7 +64,8 @@ class Chromium:
                 if "error" in answer:
                     raise RuntimeError(f"{method}: {answer['error']['message']}")
                 return answer["result"]
-            if answer.get("method") in ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled"):
+            if answer.get("method") in ("Runtime.exceptionThrown", "Log.entryAdded",
+                                        "Runtime.consoleAPICalled"):
                 self.events.append(answer)
 
     def resize(self, width, height, scale=1.0, mobile=False):
@@ -97,7 +98,8 @@ class Chromium:
         if pressed:
             self.call("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", clickCount=1)
         for x, y in rest:
-            self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y, button="left" if pressed else "none",
+            self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y, button="left"
+                      if pressed else "none",
                       buttons=1 if pressed else 0)
         if pressed and not hold:
             self.release(x, y)

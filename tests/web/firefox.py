@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Drives Firefox by its Marionette protocol, on an X server without a screen: JavaScript, mouse, screenshots."""
+"""Drives Firefox by Marionette, on an X server without a screen: JavaScript, mouse, keys, screenshots."""
 
 import base64
 import json
@@ -102,8 +102,10 @@ class Firefox:
         def move(point):
             return {"type": "pointerMove", "x": round(point[0]), "y": round(point[1]), "duration": 20}
         steps = [move(points[0]), *([{"type": "pointerDown", "button": 0}] if pressed else []),
-                 *map(move, points[1:]), *([{"type": "pointerUp", "button": 0}] if pressed and not hold else [])]
-        self._act({"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": steps})
+                 *map(move, points[1:]), *([{"type": "pointerUp", "button": 0}] if pressed
+                                           and not hold else [])]
+        self._act({"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"},
+                   "actions": steps})
 
     def release(self, x, y):
         self._act({"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"},

@@ -3,9 +3,9 @@
 
     measure.py chromium|firefox PAGE_FOLDER KELP_RENDER PACK...
 
-For each pack over 1, 10 and 100 Mbit/s: seconds from the module's being ready until the first picture can be read
-from the canvas, and until the last one, and the bytes that came. Then milliseconds of a frame of 320 x 400 pixels,
-beside kelp-render's on the OpenGL of this machine.
+For each pack over 1, 10 and 100 Mbit/s: seconds from the module's being ready until the first picture can be
+read from the canvas, and until the last one, and the bytes that came. Then milliseconds of a frame of
+320 x 400 pixels, beside kelp-render's on the OpenGL of this machine.
 """
 
 import os
@@ -56,7 +56,8 @@ def main(name, page, render, *packs):
         file.write("<!DOCTYPE html><title>kelp</title><body>")
     server = Server(page, test_folder=folder).begin()
     browser = {"chromium": Chromium, "firefox": Firefox}[name]((640, 480))
-    print(f"| {name}: pack | Mbit/s | first picture | last picture | bytes that came |\n|---|---|---|---|---|")
+    print(f"| {name}: pack | Mbit/s | first picture | last picture | bytes that came "
+          f"|\n|---|---|---|---|---|")
     for pack in packs:
         for rate in (1, 10, 100):
             first, last, arrived = load(browser, server, os.path.basename(pack), rate)
@@ -65,11 +66,13 @@ def main(name, page, render, *packs):
     for pack in packs:
         browser.run(f"window.pack = '{server.address}test/{os.path.basename(pack)}'")
         there = frame(browser)
-        said = subprocess.run([render, pack, "-o", folder + "/frame.png", "--size", "320x400", "--samples", "1",
+        said = subprocess.run([render, pack, "-o", folder + "/frame.png", "--size", "320x400", "--samples",
+                               "1",
                                "--shadows", "off", "--method", "kelp", "--frames", "20"], check=True,
                               capture_output=True, text=True).stdout
         here = re.search(r"([\d.]+) ms a frame", said)
-        print(f"{os.path.basename(pack)}: {there:.1f} ms a frame in {name}, {here[1] if here else '?'} ms natively")
+        print(f"{os.path.basename(pack)}: {there:.1f} ms a frame in {name}, {here[1] if here else '?'} ms "
+              f"natively")
     browser.close()
 
 

@@ -3,7 +3,7 @@
 
     /packs/plant.kelp?rate=1        sends 1 Mbit/s, all requests of that rate together
     ...?noranges                    answers 200 with the whole file
-    ...?abort=N                     breaks every connection off where it would send byte N of the file or later
+    ...?abort=N                     breaks every connection off where it would send byte N or later
     ...?damage=N                    sends byte N changed
     ...?claim=N                     says that the file has N bytes
     ...?status=N                    answers with that status

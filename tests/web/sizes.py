@@ -15,7 +15,8 @@ BAKER = ["kelp_baker.wasm", "kelp_baker.js", "bake.js", "bake_worker.js"]
 def compressed(path):
     with open(path, "rb") as file:
         data = file.read()
-    packed = subprocess.run(["brotli", "--quality=11", "--stdout", path], check=True, capture_output=True).stdout \
+    packed = subprocess.run(["brotli", "--quality=11", "--stdout", path], check=True,
+                            capture_output=True).stdout \
         if shutil.which("brotli") else None
     return len(data), len(gzip.compress(data, 9)), len(packed) if packed else 0
 
