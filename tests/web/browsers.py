@@ -128,6 +128,12 @@ class Tests:
         self.run(f"Object.assign(v.canvas.style, {{width: '{width}px', height: '{height}px'}});"
                  f"const m = {matrices}; v.matrices(m.to_eye, m.to_clip);")
         self.wait_fine()
+        mine = self.run("const t = performance.now(); for (let i = 0; i < 10; ++i) v.pixels();"
+                        "return (performance.now() - t) / 10")
+        said = subprocess.run([self.programs + "/kelp-render", pack, "-o", self.out + "/timed.png", "--size",
+                               f"{width}x{height}", "--samples", "1", "--shadows", "off", "--method", "kelp"],
+                              check=True, capture_output=True, text=True).stdout
+        print(f"       this picture takes {mine:.1f} ms here; {said.strip()}")
         hits, one_sided, other = compare(self.pixels(), width, height, read_png(picture))
         self.shot("as_kelp_render")
         self.coarse()
