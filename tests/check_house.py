@@ -58,6 +58,8 @@ ROOMS = {
                                  "tools/fields", "tools/rig"]),
     "tools/kelp-view": (None, ["formats", "runtime", "runtime/gl", "tools/common", "tools/rig"]),
     "samples": (None, ["formats", "runtime", "runtime/gl", "runtime/c"]),
+    "samples/web/baker": (None, VOXELIZE + ["tools/import", "tools/bake", "tools/voxelize",
+                                            "tools/voxelize/surface"]),
 }
 
 WHOLE = {"kelp/kelp.hpp": "runtime/gl", "kelp/kelp.h": "runtime/c"}  # all headers for games

@@ -5,78 +5,13 @@
 #                            Debian and uses them there (as root; downloads some 500 MB)
 #   tests/ports.sh windows   cross-compiles the runtime and kelp-dump with mingw-w64, runs their tests in wine
 #   tests/ports.sh web       compiles the runtime with emscripten, runs its tests in node, links a program
-#                            with WebGL 2
+#                            with WebGL 2; then builds the page of samples/web and tests it in Chromium and
+#                            Firefox (KELP_WEB=page: this alone). Screenshots: build/web_page/tests
 # Names the packages to install if one is missing. Everything goes to build/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-source tests/support/opt_in.sh
-
-# Kelp's dependencies for another system, in build/ports/SYSTEM/prefix: headers of this machine's packages,
-# zstd and GoogleTest from the sources that Debian has of them. prepare SYSTEM CMAKE_ARGUMENT...
-prepare() {
-  local system=$1 work=$PWD/build/ports
-  shift
-  local prefix=$work/$system/prefix
-  need libglm-dev libxxhash-dev nlohmann-json3-dev libcli11-dev libfmt-dev libgtest-dev dpkg-dev cmake \
-    ninja-build
-  [ -e "$prefix/complete" ] && return 0
-  mkdir -p "$prefix/include" "$prefix/share/cmake"
-  cp -r /usr/include/{glm,nlohmann,CLI,fmt,xxhash.h} "$prefix/include/"
-  cp -r /usr/share/cmake/glm /usr/share/cmake/nlohmann_json /usr/share/cmake/CLI11 "$prefix/share/cmake/"
-  mkdir -p "$prefix/share/cmake/fmt"  # its headers alone, in place of this machine's library
-  cat >"$prefix/share/cmake/fmt/fmt-config.cmake" <<END
-add_library(fmt::fmt INTERFACE IMPORTED)
-target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
-target_include_directories(fmt::fmt INTERFACE "$prefix/include")
-END
-  fetch_zstd
-  build_dependency "$work/zstd/build/cmake" "$work/$system/zstd" "$prefix" \
-    -DZSTD_BUILD_PROGRAMS=OFF -DZSTD_BUILD_SHARED=OFF -DZSTD_MULTITHREAD_SUPPORT=OFF "$@"
-  build_dependency /usr/src/googletest "$work/$system/googletest" "$prefix" -DBUILD_GMOCK=OFF "$@"
-  touch "$prefix/complete"
-}
-
-build_dependency() {
-  local source=$1 build=$2 prefix=$3
-  shift 3
-  {
-    cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
-      -DKELP_PORT_PREFIX="$prefix" "$@" && cmake --build "$build" && cmake --install "$build"
-  } >"$build.log" 2>&1 || { tail -20 "$build.log" >&2; fail "$source did not build, see $build.log"; }
-}
-
-# The Debian repository that apt on this machine is configured with: "URI SUITE".
-debian_repository() {
-  local suite found
-  suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
-  found=$(apt-get indextargets --format '$(REPO_URI) $(RELEASE)' 'Created-By: Packages' 'Origin: Debian' \
-    'Component: main' "Codename: $suite")
-  [ -n "$found" ] || fail "apt has no repository of Debian's $suite; add it, then apt-get update"
-  head -n 1 <<<"$found"
-}
-
-# zstd's source from Debian: the version that libzstd-dev has. apt checks its signature. A list of sources of
-# its own leaves this machine's lists as they are.
-fetch_zstd() {
-  local work=$PWD/build/ports repository
-  [ -d "$work/zstd" ] && return 0
-  repository=$(debian_repository)
-  rm -rf "$work/apt" "$work/source" && mkdir -p "$work/apt/lists/partial" "$work/source"
-  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $repository main" \
-    >"$work/apt/sources.list"
-  (
-    cd "$work/source" || exit 1
-    own_apt() {
-      apt-get -qq -o Dir::Etc::SourceList="$work/apt/sources.list" -o Dir::Etc::SourceParts=/nonexistent \
-        -o Dir::State::Lists="$work/apt/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache= \
-        -o APT::Sandbox::User=root "$@"
-    }
-    own_apt update && own_apt source --download-only libzstd &&
-      dpkg-source --no-check -x libzstd_*.dsc "$work/zstd"
-  ) >"$work/source.log" 2>&1 ||
-    { tail -5 "$work/source.log" >&2; fail "no source of zstd from Debian, see $work/source.log"; }
-}
+source tools/port_prefix.sh
 
 port_debian() {
   [ "$(id -u)" -eq 0 ] || fail "debian: needs root, to make a fresh Debian in a folder"
@@ -106,18 +41,48 @@ port_debian() {
 port_windows() {
   need g++-mingw-w64-x86-64-posix wine64
   prepare windows -DCMAKE_TOOLCHAIN_FILE="$PWD/tools/cmake/toolchain_windows.cmake"
+  prepare_googletest windows -DCMAKE_TOOLCHAIN_FILE="$PWD/tools/cmake/toolchain_windows.cmake"
   cmake --preset windows
   cmake --build --preset windows
   WINEPREFIX="$PWD/build/ports/wine" WINEDEBUG=-all ctest --preset windows
 }
 
+# The page of samples/web in real browsers, with kelp-bake and kelp-render of this checkout.
+test_page() {
+  need chromium firefox-esr xvfb python3 brotli
+  local programs=$PWD/build/release/bin page=build/web_page/page out=build/web_page/tests failed=0 browser
+  if [ -n "${KELP_PROGRAMS:-}" ]; then
+    programs=$KELP_PROGRAMS
+  else
+    cmake --preset release >build/ports/web/release.log
+    cmake --build --preset release --target kelp-bake kelp-render
+  fi
+  KELP_BAKE=$programs/kelp-bake samples/web/build.sh
+  cmake -S tests/web -B build/web_page/native -G Ninja -DCMAKE_BUILD_TYPE=Release \
+    >build/ports/web/native.log
+  cmake --build build/web_page/native --target kelp_camera
+  python3 -B tests/web/sizes.py "$page"
+  for browser in firefox chromium; do
+    python3 -B tests/web/browsers.py "$browser" "$page" "$out" "$programs" \
+      build/web_page/native/kelp_camera || failed=1
+  done
+  [ "$failed" -eq 0 ] || fail "the page failed in a browser"
+}
+
 port_web() {
   need emscripten nodejs
+  if [ "${KELP_WEB:-}" = page ]; then
+    mkdir -p build/ports/web
+    test_page
+    return
+  fi
   # where Debian's modules are; a node that is not Debian's does not look there
   export NODE_PATH=/usr/share/nodejs
   export NODE_OPTIONS=--no-experimental-fetch  # emscripten 3.1.6 takes a node with fetch() for a browser
   local toolchain=/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake
-  prepare web -DCMAKE_TOOLCHAIN_FILE=$toolchain -DCMAKE_CXX_FLAGS=-fexceptions -Dgtest_disable_pthreads=ON
+  prepare web -DCMAKE_TOOLCHAIN_FILE=$toolchain
+  prepare_googletest web -DCMAKE_TOOLCHAIN_FILE=$toolchain -DCMAKE_CXX_FLAGS=-fexceptions \
+    -Dgtest_disable_pthreads=ON
   cmake --preset web
   cmake --build --preset web
   ctest --preset web
@@ -130,12 +95,13 @@ port_web() {
   said=$(node build/ports/web/page/draw.js tests/formats/golden/solid.kelp 2>&1 || true)
   echo "$said"
   [[ "$said" == *"parts loaded"*"no WebGL 2 here"* ]] || fail "the page did not load its pack"
+  test_page
 }
 
 main() {
   case "${1:-}" in
     debian|windows|web) "port_$1" ;;
-    -h|--help) sed -n '3,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
+    -h|--help) sed -n '3,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
     *) fail "give one of debian, windows, web; see --help" ;;
   esac
 }

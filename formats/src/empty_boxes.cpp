@@ -2,7 +2,7 @@
 #include "kelp/formats/empty_boxes.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cstddef>
 #include <cstring>
 
@@ -91,12 +91,16 @@ void spread(Window& run, std::array<Slices, kReaches>& near) {
 // on take the voxels that they fit.
 void chooseBoxes(const BoxWindow& window, std::span<std::uint8_t, kBrickVoxels> codes) {
   constexpr std::size_t kRows = 3 * kBoxWindow;
-  auto along_x = std::bit_cast<std::array<std::array<std::uint64_t, kRows>, 3>>(window.slices);
+  std::array<std::array<std::uint64_t, kRows>, 3> along_x;  // no std::bit_cast: libc++ 13 lacks it
+  static_assert(sizeof along_x == sizeof window.slices);
+  std::memcpy(&along_x, &window.slices, sizeof along_x);
   std::array<std::array<std::uint64_t, kRows>, kReaches> near_x;
   spread<AlongX>(along_x, near_x);
   std::array<Slices, 64> blocked;
   for (std::size_t kx = 0; kx < kReaches; ++kx) {
-    auto along_y = std::bit_cast<std::array<Window, 3>>(near_x[kx]);
+    std::array<Window, 3> along_y;
+    static_assert(sizeof along_y == sizeof near_x[kx]);
+    std::memcpy(&along_y, &near_x[kx], sizeof along_y);
     std::array<Window, kReaches> near_y;
     spread<AlongY>(along_y, near_y);
     for (std::size_t ky = 0; ky < kReaches; ++ky) {

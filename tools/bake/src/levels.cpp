@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <span>
 #include <utility>
+
+#include <glm/common.hpp>
 
 #include "kelp/bake/bake.h"
 #include "kelp/common/dense_index.h"
@@ -133,8 +134,7 @@ class NormalCodes {
   explicit NormalCodes(int ones) : ones_(ones) {}
 
   const Code& of(const glm::vec3& normal) {
-    const glm::uvec3 bits(std::bit_cast<std::uint32_t>(normal.x), std::bit_cast<std::uint32_t>(normal.y),
-                          std::bit_cast<std::uint32_t>(normal.z));
+    const glm::uvec3 bits = glm::floatBitsToUint(normal);
     Code& its = known_[((bits.x * 0x9e3779b1u) ^ (bits.y * 0x85ebca6bu) ^ (bits.z * 0xc2b2ae35u)) >> 22];
     if (its.normal != normal) {
       its.normal = normal;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -77,10 +77,10 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
       const RawRig& rest = rests.emplace_back(realizeRig(model.parts[i].rig));
       checkRest(rest, pack.parts[i].size);
       give(rest, pack.parts[i]);
-      std::ranges::move(realizeSockets(model.parts[i].rig, static_cast<std::uint32_t>(i)),
-                        std::back_inserter(pack.sockets));
-      std::ranges::move(realizeClips(model.parts[i].rig, static_cast<std::uint32_t>(i)),
-                        std::back_inserter(clips));
+      for (auto& socket : realizeSockets(model.parts[i].rig, static_cast<std::uint32_t>(i)))
+        pack.sockets.push_back(std::move(socket));
+      for (auto& clip : realizeClips(model.parts[i].rig, static_cast<std::uint32_t>(i)))
+        clips.push_back(std::move(clip));
     } catch (const RigError& error) {
       throw ToolError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, model.parts[i]),
                                                   model.parts[i].rig_origin, error.what()));

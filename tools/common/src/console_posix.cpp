@@ -34,7 +34,7 @@ bool isTerminal(Stream stream) {
 }
 
 std::string writeOut(std::string_view text) {
-  const std::error_code problem = writeAll(STDOUT_FILENO, std::as_bytes(std::span(text)));
+  const std::error_code problem = writeAll(STDOUT_FILENO, std::as_bytes(std::span(text.data(), text.size())));
   return problem ? problem.message() : "";
 }
 

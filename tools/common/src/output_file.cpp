@@ -179,7 +179,7 @@ void checkTextOutput(const fs::path& path) {
 }
 
 void writeTextFile(const fs::path& path, std::string_view text) {
-  const std::span<const std::byte> bytes = std::as_bytes(std::span(text));
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(text.data(), text.size()));
   if (const std::optional<int> stream = streamOf(path)) {
     if (const std::error_code problem = writeAll(*stream, bytes))
       fail(path, "cannot be written", problem, kMakeRoom);

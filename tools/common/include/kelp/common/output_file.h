@@ -36,7 +36,7 @@ class OutputFile {
 
   // Bytes are buffered, so a failure may be reported by a later call.
   void write(std::span<const std::byte> bytes);
-  void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
+  void write(std::string_view text) { write(std::as_bytes(std::span(text.data(), text.size()))); }
   // A number as it is in memory, which is little-endian.
   template <class T>
   requires std::is_arithmetic_v<T>

@@ -2,11 +2,14 @@
 // Words and numbers of text formats, independent of the locale.
 #pragma once
 
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace kelp::bake {
@@ -41,10 +44,29 @@ inline std::string_view nextWord(std::string_view& text) {
   return word;
 }
 
+// std::from_chars of a double, which libc++ 13 of emscripten lacks: there strtod, in the locale "C", of what
+// from_chars takes.
+inline std::from_chars_result readDouble(std::string_view word, double& value) {
+#ifdef __cpp_lib_to_chars
+  return std::from_chars(word.data(), word.data() + word.size(), value);
+#else
+  const std::string copy(word);
+  if (copy.empty() || isBlank(copy.front()) || copy.front() == '+' || copy.find_first_of("xX") != copy.npos)
+    return {word.data(), std::errc::invalid_argument};
+  char* end = nullptr;
+  errno = 0;
+  const double read = std::strtod(copy.c_str(), &end);
+  const char* const behind = word.data() + (end - copy.c_str());
+  if (errno == ERANGE) return {behind, std::errc::result_out_of_range};
+  value = read;
+  return {behind, behind == word.data() ? std::errc::invalid_argument : std::errc()};
+#endif
+}
+
 inline std::optional<double> parseDouble(std::string_view word) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto [end, error] = readDouble(word, value);
   if (end != word.data() + word.size() || word.empty()) return std::nullopt;
   if (error == std::errc::result_out_of_range) {
     // Too small is 0. Too large is infinite, which callers refuse or drop. from_chars does not say which, so

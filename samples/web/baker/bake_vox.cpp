@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// The second module: bakes a MagicaVoxel file to a pack, in the page, as `kelp-bake --rig sway` does. It runs
+// in a worker, has memory of its own, and is thrown away after a file, so a hostile one takes nothing along.
+#include <emscripten/emscripten.h>
+
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "kelp/bake/bake.h"
+
+namespace {
+
+struct Baked {
+  std::vector<std::byte> bytes;
+  std::string words;  // why there are none, or what the baker noticed
+};
+
+constexpr std::uint64_t kMemory = 384ull << 20;  // as estimated before it is taken
+
+bool receive(void* user, std::span<const std::byte> bytes) {
+  auto& out = *static_cast<std::vector<std::byte>*>(user);
+  out.insert(out.end(), bytes.begin(), bytes.end());
+  return true;
+}
+
+void bakeInto(const char* path, Baked& out) {
+  kelp::bake::Settings settings;
+  settings.rig_preset = "sway";
+  settings.threads = 1;
+  settings.max_memory = kMemory;
+  kelp::bake::Report report;
+  const kelp::RawPack pack = kelp::bake::bake(path, settings, report);
+  if (const auto written = kelp::writePack(pack, {receive, &out.bytes}, 1, settings.effort); !written)
+    throw std::runtime_error(written.error().detail);
+  for (const std::string& notice : report.notices) out.words += notice + "\n";
+}
+
+}  // namespace
+
+extern "C" {
+
+// Bakes the file at `path`. Never null.
+EMSCRIPTEN_KEEPALIVE Baked* kelp_bake(const char* path) {
+  auto* out = new Baked;
+  try {
+    bakeInto(path, *out);
+  } catch (const std::exception& error) {  // kelp::ToolError says what to do
+    out->bytes.clear();
+    out->words = error.what();
+  }
+  return out;
+}
+EMSCRIPTEN_KEEPALIVE const std::byte* kelp_baked_bytes(const Baked* baked) { return baked->bytes.data(); }
+EMSCRIPTEN_KEEPALIVE std::size_t kelp_baked_size(const Baked* baked) { return baked->bytes.size(); }
+EMSCRIPTEN_KEEPALIVE const char* kelp_baked_words(const Baked* baked) { return baked->words.c_str(); }
+
+}  // extern "C"

@@ -1,0 +1,391 @@
+# SPDX-License-Identifier: MIT
+"""Tests the page of samples/web in a real browser. tests/ports.sh web calls it.
+
+    browsers.py chromium|firefox PAGE_FOLDER OUT_FOLDER PROGRAMS_FOLDER KELP_CAMERA
+
+Screenshots go to OUT_FOLDER. PROGRAMS_FOLDER has kelp-bake and kelp-render.
+"""
+
+import base64
+import os
+import subprocess
+import sys
+import time
+
+sys.dont_write_bytecode = True
+from chromium import Chromium
+from firefox import Firefox
+from pictures import compare, read_png
+from server import Server
+import vox
+
+VIEW = ("const e = document.getElementById('view'), v = await e.ready;"
+        "const s = (t) => new Promise(d => setTimeout(d, t));")
+SIZE = (320, 400)  # of the canvas, in pixels
+
+
+class Tests:
+    def __init__(self, browser, page, out, programs, camera):
+        self.out, self.programs, self.camera = out, programs, camera
+        os.makedirs(out + "/served", exist_ok=True)
+        for name, data in (("tree.vox", vox.tree()), ("liar.vox", vox.liar())):
+            with open(f"{out}/served/{name}", "wb") as file:
+                file.write(data)
+        self.page = page
+        self.server = Server(page, test_folder=out + "/served").begin()
+        self.browser = {"chromium": Chromium, "firefox": Firefox}[browser]((800, 600))
+        self.failed = 0
+        self.coarse()
+
+    def coarse(self):
+        """Fewer pixels in Chromium: SwiftShader takes up to a second for a frame on two busy cores."""
+        if self.browser.name == "chromium":
+            self.browser.resize(800, 600, 0.4)
+
+    def check(self, what, passed, detail=""):
+        self.failed += not passed
+        print(f"  {'ok  ' if passed else 'FAIL'} {what}{': ' + str(detail) if detail != '' else ''}",
+              flush=True)
+
+    def run(self, body):
+        return self.browser.run(VIEW + body)
+
+    def open(self, link=""):
+        self.browser.open(self.server.address + (f"#{link}" if link else ""))
+        self.until("return document.readyState === 'complete'")
+
+    def until(self, body, seconds=60):
+        """Runs it until it is true. What it was last."""
+        end = time.monotonic() + seconds
+        while True:
+            try:
+                value = self.browser.run(body)
+            except RuntimeError:  # the page is being exchanged
+                value = None
+            if value or time.monotonic() > end:
+                return value
+            time.sleep(0.2)
+
+    def wait_open(self):
+        return self.until("return Boolean(document.getElementById('view')?.view?.description)")
+
+    def wait_fine(self):
+        """Without a clip, as fine as it gets."""
+        self.wait_open()
+        return self.run("v.play(null); for (let i = 0; i < 1200 && !v.isFine; ++i) { v.invalidate(); await "
+                        "s(50); }"
+                        "return v.isFine")
+
+    def words(self):
+        return self.browser.run("return "
+                                "document.getElementById('view').shadowRoot.querySelector('p').textContent")
+
+    def wait_words(self, *any_of):
+        self.until("const w = document.getElementById('view')?.shadowRoot?.querySelector('p').textContent "
+                   "?? '';"
+                   f"return {list(any_of)!r}.some(x => w.includes(x))", 30)
+        return self.words()
+
+    def pixels(self):
+        return base64.b64decode(self.run(
+            "const {bytes} = v.pixels(); let t = '';"
+            "for (let i = 0; i < bytes.length; i += 8192) t += String.fromCharCode(...bytes.subarray(i, i "
+            "+ 8192));"
+            "return btoa(t)"))
+
+    def moved(self, before, after):
+        """The share of the covered pixels that one picture covers and the other does not."""
+        a, b = before[3::4], after[3::4]
+        return sum((x > 127) != (y > 127) for x, y in zip(a, b)) / max(sum(x > 127 for x in a), 1)
+
+    def shot(self, name):
+        self.browser.screenshot(f"{self.out}/{self.browser.name}_{name}.png")
+
+    # --- what is tested ------------------------------------------------------------------------------
+    def shows(self):
+        if self.browser.name == "chromium":
+            self.browser.resize(800, 600)
+        self.open()
+        self.check("the plant is shown, as fine as it gets", self.wait_fine(), self.run("return v.sizes()"))
+        self.check("without words", self.words() == "", self.words())
+        self.shot("plant")
+        self.coarse()
+        sent = self.server.sent["kelp_plant.kelp"]
+        whole = os.path.getsize(self.page + "/packs/kelp_plant.kelp")
+        self.check("no more than the voxels was fetched", sent < whole, f"{sent} of {whole} bytes")
+
+    def equals_render(self):
+        width, height = SIZE
+        pack, picture = self.page + "/packs/kelp_plant.kelp", self.out + "/reference.png"
+        subprocess.run([self.programs + "/kelp-render", pack, "-o", picture, "--size", f"{width}x{height}",
+                        "--samples", "1", "--shadows", "off", "--background", "none"], check=True)
+        matrices = subprocess.run([self.camera, pack, "30", "15", str(width / height)], check=True,
+                                  capture_output=True, text=True).stdout
+        if self.browser.name == "chromium":
+            self.browser.resize(800, 600)
+        self.open()
+        self.wait_open()
+        self.run(f"Object.assign(v.canvas.style, {{width: '{width}px', height: '{height}px'}});"
+                 f"const m = {matrices}; v.matrices(m.to_eye, m.to_clip);")
+        self.wait_fine()
+        mine = self.run("const t = performance.now(); for (let i = 0; i < 10; ++i) v.pixels();"
+                        "return (performance.now() - t) / 10")
+        said = subprocess.run([self.programs + "/kelp-render", pack, "-o", self.out + "/timed.png", "--size",
+                               f"{width}x{height}", "--samples", "1", "--shadows", "off", "--method", "kelp"],
+                              check=True, capture_output=True, text=True).stdout
+        print(f"       this picture takes {mine:.1f} ms here; {said.strip()}")
+        hits, one_sided, other = compare(self.pixels(), width, height, read_png(picture))
+        self.shot("as_kelp_render")
+        self.coarse()
+        self.check("the picture is kelp-render's", hits > 3000 and one_sided <= 1 + hits / 500 and
+                   other <= 1 + hits / 200, f"of {hits} pixels {one_sided} covered by one, {other} other "
+                                            f"colours")
+
+    def bends(self):
+        self.open()
+        self.wait_fine()
+        rest = self.pixels()
+        box = self.run("const b = v.canvas.getBoundingClientRect(); return [b.x, b.y, b.width, b.height]")
+        x, y = box[0] + box[2] / 2, box[1] + box[3] * 0.4
+        place = self.run(f"for (let d = 0; d < 80; ++d) for (const q of [d, -d]) if (v.pick({x - box[0]} + "
+                         f"q, "
+                         f"{y - box[1]})) return q; return null")
+        self.check("the pointer meets the plant", place is not None)
+        points = [(x + place + 6 * i, y) for i in range(20)]
+        self.browser.mouse(points, hold=True)
+        time.sleep(1.5)
+        bent = self.pixels()
+        self.shot("bent")
+        self.check("it bends under the pointer", self.moved(rest, bent) > 0.2,
+                   f"{self.moved(rest, bent):.2f}")
+        self.browser.release(*points[-1])
+        self.browser.mouse([(5, 5)], pressed=False)
+        back = 1
+        for _ in range(40):
+            time.sleep(0.5)
+            back = self.moved(rest, self.pixels())
+            if back < 0.004:
+                break
+        self.check("and swings back", back < 0.004, f"{back:.4f}")
+        frames = self.run("let n; for (let i = 0; i < 20; ++i) { n = v.frames; await s(1000); if (v.frames "
+                          "=== n) break; }"
+                          "return v.frames - n")
+        self.check("then nothing is drawn any more", frames == 0, frames)
+
+    def poses(self):
+        rest = self.pixels()
+        self.run("const x = document.getElementById('x'); x.value = 1.2; x.dispatchEvent(new Event('input'))")
+        pose = self.run("await s(300); return v.pose()")
+        self.check("a slider moves a tangent", len(pose) == 1 and abs(pose[0]["tangent"][0] - 1.2) < 1e-6,
+                   pose)
+        self.check("and the plant with it", self.moved(rest, self.pixels()) > 0.02)
+        self.shot("tangent")
+        self.run("document.getElementById('reset').click()")
+        time.sleep(0.5)
+        self.check("it can be reset", self.moved(rest, self.pixels()) < 0.004)
+        self.run("v.play('sway'); await s(700)")
+        self.check("clips play", self.run("return v.playing && v.time > 0.2"))
+        self.check("and move it", self.moved(rest, self.pixels()) > 0.02)
+        hit = self.run("v.play(null); const c = v.canvas; return v.pick(c.clientWidth / 2, c.clientHeight "
+                       "* 0.75)")
+        self.check("pick says what is there", hit and hit["part"] == 0 and len(hit["voxel"]) == 3, hit)
+        faults = self.run("const f = []; for (const g of [() => v.play('no'), () => v.pose({knot: 99, "
+                          "tangent: "
+                          "[0, 1, 0]}), () => v.pose({knot: 1, tangent: [NaN, 1, 0]})]) try { g(); } "
+                          "catch (e) { f.push(e.name); } return f")
+        self.check("mistakes are KelpErrors", faults == ["KelpError"] * 3, faults)
+
+    def keys(self):
+        self.run("v.canvas.focus(); v.camera = {yaw: 30, pitch: 15, zoom: 1, pan: [0, 0]}; v.play('sway')")
+        for key in ("ArrowLeft", "ArrowUp", "+", " "):
+            self.browser.key(key)
+        time.sleep(0.3)
+        camera = self.run("return {...v.camera, playing: v.playing}")
+        self.check("keys turn, zoom and pause", camera["yaw"] == 20 and camera["pitch"] == 25 and
+                   camera["zoom"] > 1.1 and not camera["playing"], camera)
+
+    def links(self):
+        self.open("src=packs/tentacle.kelp&clip=curl&time=2.5&yaw=75&pitch=5&zoom=1.3&pan=0.1,0"
+                  "&t=0:6:0.5,0.8,0")
+        self.wait_open()
+        time.sleep(1.5)
+        kept = self.run("return {...v.camera, clip: v.clip, time: v.time, pose: v.pose(), link: "
+                        "location.hash}")
+        self.check("a link keeps file, clip, camera and pose", kept["clip"] == "curl"
+                   and kept["time"] == 2.5 and
+                   kept["yaw"] == 75 and kept["pan"] == [0.1, 0] and kept["pose"][0]["knot"] == 6, kept)
+        self.shot("link")
+        for part in ("tentacle.kelp", "clip=curl", "yaw=75", "t=0"):
+            self.check(f"the address says {part}", part in kept["link"])
+
+    def drop(self, address, name):
+        self.run(f"const d = new DataTransfer(); d.items.add(new File([await (await "
+                 f"fetch('{address}')).blob()], "
+                 f"'{name}')); dispatchEvent(new DragEvent('drop', {{dataTransfer: d, cancelable: true}}))")
+
+    def drops(self):
+        self.open()
+        self.wait_fine()
+        self.drop("packs/octopus.kelp", "octopus.kelp")
+        self.until("return document.getElementById('view').view.description.parts.length > 1")
+        self.check("a dropped pack is shown and plays", self.run("await s(500); return v.playing"))
+        self.shot("octopus")
+        self.drop("test/tree.vox", "tree.vox")
+        baked = self.until("return document.getElementById('view').view.bytes !== null", 90)
+        self.check("a dropped .vox file is baked", baked, self.words())
+        if not baked:
+            return
+        self.run("await s(500)")
+        self.shot("tree")
+        mine = base64.b64decode(self.run("return btoa(String.fromCharCode(...v.bytes))"))
+        pack = self.out + "/tree.kelp"
+        subprocess.run([self.programs + "/kelp-bake", self.out + "/served/tree.vox", "-o", pack, "--rig",
+                        "sway"],
+                       check=True, capture_output=True)
+        with open(pack, "rb") as file:
+            self.check("to the bytes of kelp-bake", file.read() == mine, f"{len(mine)} bytes")
+        self.check("and sways", self.run("return v.playing && v.clip === 'sway'"))
+        saved = self.run("let n = null; HTMLAnchorElement.prototype.click = function() { n = "
+                         "this.download; };"
+                         "document.getElementById('save').click(); await s(300); return n")
+        self.check("it can be saved", saved == "tree.kelp", saved)
+
+    def faults(self):
+        plant = "src=packs/kelp_plant.kelp?"
+        cases = [
+            ("a file that is not there", plant + "status=404", ["404"]),
+            ("a server that fails", plant + "status=500", ["500"]),
+            ("a file of another kind", "src=page.css", ["cannot be shown"]),
+            ("a damaged header", plant + "damage=70", ["cannot be shown"]),
+            ("a damaged page", plant + "damage=150000", ["cannot be read"]),
+            ("a download that breaks off", plant + "abort=100000", ["The download stopped"]),
+            ("a download without ranges that breaks off", plant + "noranges&abort=100000",
+             ["The download stopped"]),
+            ("a size of 5 GB", plant + "claim=5000000000", ["at most"]),
+            ("a size that is not the file's", plant + "claim=2000000000", ["cannot be shown",
+                                                                           "cannot be read"]),
+        ]
+        for what, link, expected in cases:
+            self.open(link.replace("?", "%3F").replace("&", "%26").replace("=", "%3D").replace("src%3D",
+                                                                                               "src="))
+            words = self.wait_words(*expected)
+            self.check(f"{what} ends in words", any(e in words for e in expected), words)
+        self.shot("words")
+        heap = self.run("return v.sizes().heap")
+        self.check("in little memory", heap <= 64 << 20, heap)
+        self.open(plant.replace("?", "%3Fnoranges"))
+        self.check("a server without ranges does", self.wait_fine(), self.words())
+        self.drop("test/liar.vox", "liar.vox")
+        words = self.wait_words("liar.vox")
+        self.check("a .vox file that lies ends in words", "liar.vox" in words, words)
+
+    def loses(self):
+        self.open()
+        self.wait_fine()
+        before = self.pixels()
+        self.run("window.lose = v.canvas.getContext('webgl2').getExtension('WEBGL_lose_context');"
+                 "lose.loseContext(); await s(500)")
+        self.check("a lost context ends in words", "took the graphics card away" in self.words(),
+                   self.words())
+        self.shot("lost")
+        self.run("lose.restoreContext(); await s(1000)")
+        self.check("which go when it is back", self.words() == "" and self.wait_fine(), self.words())
+        self.check("and the picture is as before", self.moved(before, self.pixels()) < 0.004)
+        words = self.run("HTMLCanvasElement.prototype.getContext = () => null;"
+                         "const k = document.createElement('kelp-view'); document.body.append(k);"
+                         "await k.ready.catch(() => {}); return k.shadowRoot.querySelector('p').textContent")
+        self.check("without WebGL 2 there are words", "WebGL 2" in words, words)
+
+    def streams(self):
+        """At 1 Mbit/s. What the GPU takes for the first picture is told apart: SwiftShader compiles."""
+        self.open("src=packs/kelp_plant.kelp%3Frate%3D1")
+        self.until("return Boolean(document.getElementById('view')?.ready)")
+        self.run("v.addEventListener('picture', () => { v.canvas.getContext('webgl2').readPixels(0, 0, 1, "
+                 "1, 6408, "
+                 "5121, new Uint8Array(4)); performance.mark('seen'); })")
+        self.until("return performance.getEntriesByName('picture').length > 0", 20)
+        self.shot("first_picture")
+        self.wait_fine()
+        marks = self.run("return Object.fromEntries(performance.getEntriesByType('mark').map(m => "
+                         "[m.name, m.startTime]))")
+        drawn, seen, last = (marks[mark] - marks["ready"] for mark in ("picture", "seen", "fine"))
+        self.check("at 1 Mbit/s the first picture comes within 1 s of the module", drawn < 1000,
+                   f"module {marks['ready']:.0f} ms; after it, first picture drawn {drawn:.0f} ms, "
+                   f"finished by the GPU {seen:.0f} ms, last {last:.0f} ms")
+
+    def phone(self):
+        """Sizes, themes and touch; by the DevTools protocol, so in Chromium alone."""
+        if self.browser.name != "chromium":
+            return
+        call = self.browser.call
+        self.browser.resize(390, 844, 1, mobile=True)
+        call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
+        for theme in ("dark", "light"):
+            call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
+            self.open()
+            self.wait_fine()
+            self.shot("phone_" + theme)
+        wide = self.run("return document.documentElement.scrollWidth")
+        self.check("at phone size nothing is wider than the screen", wide <= 390, wide)
+        rest = self.pixels()
+        box = self.run("const b = v.canvas.getBoundingClientRect(); return [b.x, b.y, b.width, b.height]")
+
+        def touch(kind, *points):
+            call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y, "id": i}
+                                                                     for i, (x, y) in enumerate(points)])
+        x, y = box[0] + box[2] / 2, box[1] + box[3] * 0.7
+        touch("touchStart", (x, y))
+        for i in range(10):
+            touch("touchMove", (x + 8 * i, y))
+        time.sleep(1)
+        self.check("it bends under a finger", self.moved(rest, self.pixels()) > 0.1)
+        touch("touchEnd")
+        touch("touchStart", (60, 120), (120, 120))
+        for i in range(10):
+            touch("touchMove", (60, 120), (120 + 6 * i, 120))
+        touch("touchEnd")
+        zoom = self.run("return v.camera.zoom")
+        self.check("two fingers zoom", zoom > 1.5, zoom)
+        call("Emulation.setTouchEmulationEnabled", enabled=False)
+        call("Emulation.setEmulatedMedia", features=[])
+        self.coarse()
+
+    def stays_small(self):
+        """2,000 frames in Chromium, whose heap can be measured."""
+        if self.browser.name != "chromium":
+            return
+        self.open()
+        self.wait_fine()
+        self.run("Object.assign(v.canvas.style, {width: '96px', height: '120px'}); v.play('sway')")
+
+        def heap():
+            self.browser.call("HeapProfiler.collectGarbage")
+            used = self.browser.call("Runtime.getHeapUsage")
+            return used["usedSize"], self.run("return v.sizes().heap"), self.run("return v.frames")
+        frames = "const n = v.frames; while (v.frames < n + {}) await s(20);"
+        self.run(frames.format(200))
+        before = heap()
+        self.run(frames.format(2000))
+        after = heap()
+        self.check("2,000 frames take no memory", after[0] - before[0] < 200000 and after[1] == before[1] and
+                   after[2] >= before[2] + 2000, f"JavaScript {before[0]} -> {after[0]}, module "
+                                                 f"{before[1]} -> {after[1]}")
+
+    def all(self):
+        names = ["shows", "equals_render", "bends", "poses", "keys", "links", "drops", "faults", "loses",
+                 "streams",
+                 "phone", "stays_small"]
+        for name in os.environ.get("KELP_WEB_TESTS", "").split() or names:
+            try:
+                getattr(self, name)()
+            except RuntimeError as error:
+                self.check(name, False, error)
+        errors = [event for event in self.browser.events if event["method"] == "Runtime.exceptionThrown"]
+        self.check("nothing was thrown past the page", not errors, errors or "")
+        self.browser.close()
+        return self.failed
+
+
+if __name__ == "__main__":
+    print(sys.argv[1] + ":", flush=True)
+    sys.exit(1 if Tests(*sys.argv[1:]).all() else 0)
