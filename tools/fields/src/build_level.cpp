@@ -28,7 +28,7 @@ class LevelBuilder {
     stored_ = std::move(built.stored);
   }
 
-  // All solid voxels of stored bricks are inner for now.
+  // All solid voxels of stored bricks start as inner: those that get an attribute become surface.
   void makeCodes() {
     level_.codes.resize(stored_.size() * kBrickVoxels);
     parallelFor(static_cast<std::int64_t>(stored_.size()), grainOf(kBrickVoxels), threads_,

@@ -39,10 +39,10 @@ struct Issue {
   int knot = -1;
 };
 
-// Reads the whole pack and calls `report` (may be null) for every issue: in file order, but for grids and
-// pages of voxels, which come last, part by part. Returns the number of errors; warnings do not count. Safe
-// for hostile files. Memory: that of Pack::open, plus two grids of one part, the shapes of their bricks and
-// one page at a time. If an allocation fails, that is an issue (kOutOfMemory).
+// Reads the whole pack and calls `report` (may be null) for every issue. Issues come in file order; only
+// those of grids and pages of voxels come after all others, part by part. Returns the number of errors;
+// warnings do not count. Safe for hostile files. Memory: that of Pack::open, plus two grids of one part, the
+// shapes of their bricks and one page at a time. If an allocation fails, that is an issue (kOutOfMemory).
 std::uint64_t verify(const Source& source, const Limits& limits,
                      void (*report)(void* user, const Issue& issue), void* user,
                      const Allocator& allocator = {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of a level is in a file: all but the boxes.
+// Levels compared as files hold them. A file has no empty boxes: the reader makes them.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace kelp::test {
 
-// Cells and codes, but for the boxes of empty bricks and voxels, which the reader makes.
+// The level's cells and codes, with the boxes of empty bricks and empty voxels set to 0.
 inline std::pair<std::vector<std::uint32_t>, std::vector<std::uint8_t>> withoutBoxes(const RawLevel& level) {
   std::pair out(level.cells, level.codes);
   for (std::uint32_t& cell : out.first) cell &= cell & kCellSolid ? ~0u : ~0xffffffu;
