@@ -173,9 +173,8 @@ class RandomPack {
         const std::uint8_t code = codeOf(order[slot].second, i);
         level.codes.push_back(code == kSurfaceCode ? static_cast<std::uint8_t>(code + rank++) : code);
         if (code != kSurfaceCode) continue;
-        level.attributes.push_back(
-            makeAttribute(static_cast<std::uint8_t>(between(0, static_cast<int>(palette_size) - 1)),
-                          static_cast<std::uint32_t>(random_()) & 0xffffffu));
+        const auto colour = static_cast<std::uint8_t>(between(0, static_cast<int>(palette_size) - 1));
+        level.attributes.push_back(makeAttribute(colour, static_cast<std::uint32_t>(random_()) & 0xffffffu));
       }
     }
     return level;
@@ -207,7 +206,8 @@ class RandomPack {
       part.bend = Bend::kSweep;
       part.roll = roll;
     }
-    part.levels = makeLevels(part.size, between(1, options_.max_levels), palette_size, unit());
+    const int levels = between(1, options_.max_levels);
+    part.levels = makeLevels(part.size, levels, palette_size, unit());
     return part;
   }
 
