@@ -119,31 +119,35 @@ SurfaceMaterial plainMaterial() {
   return material;
 }
 
-void addPolygon(const InputFiles& files, const IndexedMesh& mesh, std::span<const std::int64_t> corners,
-                const std::string& place, const glm::vec4* face_color, SoupBuilder& soup) {
-  std::vector<glm::vec3> points;
-  points.reserve(corners.size());
-  for (std::int64_t corner : corners) {
+std::string addPolygon(const IndexedMesh& mesh, std::span<const std::int64_t> corners,
+                       const glm::vec4* face_color, SoupBuilder& soup) {
+  for (const std::int64_t corner : corners) {
     if (corner < 0 || corner >= static_cast<std::int64_t>(mesh.positions.size()))
-      refuse(Exit::kInvalid, files.input(), place,
-             "names vertex " + std::to_string(corner) + ", but there are " +
-                 std::to_string(mesh.positions.size()));
-    points.emplace_back(mesh.positions[static_cast<std::size_t>(corner)] - soup.origin());
+      return "names vertex " + std::to_string(corner) + ", but there are " +
+             std::to_string(mesh.positions.size());
   }
-  for (const auto& cut : triangulatePolygon(points)) {
+  const auto add = [&](const std::array<std::int64_t, 3>& cut) {
     SoupBuilder::Triangle triangle;
     if (face_color || !mesh.colors.empty()) triangle.color.emplace();
     for (std::size_t i = 0; i < 3; ++i) {
-      triangle.position[i] = points[cut[i]];
+      const auto corner = static_cast<std::size_t>(cut[i]);
+      triangle.position[i] = glm::vec3(mesh.positions[corner] - soup.origin());
       if (!triangle.color) continue;
-      const glm::vec4 own =
-          mesh.colors.empty() ? glm::vec4(1) : mesh.colors[static_cast<std::size_t>(corners[cut[i]])];
+      const glm::vec4 own = mesh.colors.empty() ? glm::vec4(1) : mesh.colors[corner];
       (*triangle.color)[i] = face_color ? own * *face_color : own;
     }
-    if (!soup.add(triangle))
-      refuse(Exit::kInvalid, files.input(), place,
-             "brings the file beyond 64 million triangles; bake it in pieces");
+    return soup.add(triangle);
+  };
+  const char* const too_many = "brings the file beyond 64 million triangles; bake it in pieces";
+  if (corners.size() == 3) return add({corners[0], corners[1], corners[2]}) ? "" : too_many;
+  std::vector<glm::vec3> points;
+  points.reserve(corners.size());
+  for (const std::int64_t corner : corners)
+    points.emplace_back(mesh.positions[static_cast<std::size_t>(corner)] - soup.origin());
+  for (const auto& cut : triangulatePolygon(points)) {
+    if (!add({corners[cut[0]], corners[cut[1]], corners[cut[2]]})) return too_many;
   }
+  return "";
 }
 
 SourceModel importMesh(const std::filesystem::path& path, const ImportSettings& settings, FilesUsed* used) {

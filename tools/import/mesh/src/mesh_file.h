@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "kelp/import/core/input_files.h"
 #include "kelp/import/core/source_model.h"
@@ -34,10 +35,10 @@ struct IndexedMesh {
   std::vector<glm::vec4> colors;
 };
 // Adds a polygon to the soup as triangles, relative to the soup's origin. `corners` index the mesh's vertices
-// and are checked; `place` names the polygon in errors. `face_color` may be null; it multiplies the vertices'
-// colours.
-void addPolygon(const InputFiles& files, const IndexedMesh& mesh, std::span<const std::int64_t> corners,
-                const std::string& place, const glm::vec4* face_color, SoupBuilder& soup);
+// and are checked. `face_color` may be null; it multiplies the vertices' colours. Answers what is wrong with
+// the polygon, or nothing.
+[[nodiscard]] std::string addPolygon(const IndexedMesh& mesh, std::span<const std::int64_t> corners,
+                                     const glm::vec4* face_color, SoupBuilder& soup);
 
 // The material of files that have none.
 SurfaceMaterial plainMaterial();

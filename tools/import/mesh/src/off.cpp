@@ -133,8 +133,9 @@ class OffReader {
       const std::optional<glm::vec4> own = color(line);
       if (corners.size() < 3)
         ++skipped;
-      else
-        addPolygon(files_, mesh_, corners, "line " + std::to_string(line_), own ? &*own : nullptr, soup_);
+      else if (const std::string wrong = addPolygon(mesh_, corners, own ? &*own : nullptr, soup_);
+               !wrong.empty())
+        refuseLine(wrong);
     }
     if (skipped > 0)
       out_.notices.push_back(std::to_string(skipped) + " faces of fewer than three corners are skipped");

@@ -297,6 +297,12 @@ class PlyReader {
     soup_.setOrigin(farMiddle(mesh_.positions));
   }
 
+  void add(const Element& element, std::int64_t index, std::span<const std::int64_t> corners,
+           const glm::vec4* color) {
+    const std::string wrong = addPolygon(mesh_, corners, color, soup_);
+    if (!wrong.empty()) refuse(Exit::kInvalid, files_.input(), place(element, index), wrong);
+  }
+
   void readFaces(const Element& element) {
     const int corners = element.find("vertex_indices", "vertex_index");
     if (element.count > 0 &&
@@ -310,7 +316,7 @@ class PlyReader {
       if (list_.size() < 3)
         ++skipped;
       else
-        addPolygon(files_, mesh_, list_, place(element, i), columns.any() ? &color : nullptr, soup_);
+        add(element, i, list_, columns.any() ? &color : nullptr);
     }
     if (skipped > 0)
       out_.notices.push_back(std::to_string(skipped) + " faces of fewer than three corners are skipped");
@@ -332,7 +338,7 @@ class PlyReader {
         if ((k - start) % 2 == 1) std::swap(triangle[0], triangle[1]);
         // Strips use triangles without an area to turn.
         if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
-        addPolygon(files_, mesh_, triangle, place(element, i), nullptr, soup_);
+        add(element, i, triangle, nullptr);
       }
     }
   }

@@ -2,10 +2,8 @@
 #include "kelp/import/mesh/soup.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
-#include <random>
 
 namespace kelp::bake {
 namespace {
@@ -25,29 +23,10 @@ void append(std::vector<std::array<T, 3>>& list, const std::optional<std::array<
 
 }  // namespace
 
-std::size_t SoupBuilder::Hash::operator()(const std::array<std::uint32_t, 3>& bits) const {
-  // A random seed for each process, so that no file can be made whose positions all share a hash. The numbers
-  // of vertices do not depend on it.
-  static const std::uint64_t kKey = std::uint64_t{std::random_device()()} << 32 | std::random_device()();
-  std::uint64_t hash = kKey;
-  for (std::uint32_t word : bits) {
-    hash = (hash ^ word) * 0xff51afd7ed558ccdu;
-    hash ^= hash >> 32;
-  }
-  return static_cast<std::size_t>(hash);
-}
-
-std::uint32_t SoupBuilder::vertex(glm::vec3 position) {
-  position += 0.0f;  // -0 and +0 are one position
-  const std::array<std::uint32_t, 3> bits{std::bit_cast<std::uint32_t>(position.x),
-                                          std::bit_cast<std::uint32_t>(position.y),
-                                          std::bit_cast<std::uint32_t>(position.z)};
-  const auto [entry, fresh] = index_.try_emplace(bits, static_cast<std::uint32_t>(soup_.positions.size()));
-  if (fresh) {
-    soup_.positions.push_back(position);
-    piece_.push_back(static_cast<std::uint32_t>(steps_.size() - 1));
-  }
-  return entry->second;
+std::uint32_t SoupBuilder::vertex(const glm::vec3& position) {
+  const std::uint32_t number = index_.of(position + 0.0f, soup_.positions);  // -0 and +0 are one position
+  if (piece_.size() < soup_.positions.size()) piece_.push_back(static_cast<std::uint32_t>(steps_.size() - 1));
+  return number;
 }
 
 bool SoupBuilder::add(const Triangle& triangle) {
@@ -118,7 +97,7 @@ void SoupBuilder::roundedTo(float step) {
 }
 
 TriangleSoup SoupBuilder::take() {
-  index_.clear();
+  index_ = {};
   soup_.dropped = non_finite_ + degenerate_;
   if (*std::max_element(steps_.begin(), steps_.end()) > 0) closeSeams(soup_, piece_, steps_);
   return std::move(soup_);

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <utility>
+
+#include "bucket_sort.h"
 
 namespace kelp::bake {
 namespace {
@@ -133,22 +136,27 @@ class FaultyMeshMaker {
   }
 
   void numberVertices() {
-    std::vector<std::uint64_t> places;  // component, vertex of the mesh
+    std::vector<std::uint32_t> root_of;  // the first corner of each vertex
     vertex_of_.resize(half_edge_of_.size());
     for (std::uint32_t corner = 0; corner < vertex_of_.size(); ++corner) {
       const std::uint32_t root = fans_.find(corner);
       if (root == corner) {
         vertex_of_[corner] = static_cast<std::uint32_t>(made_.vertices.size());
         made_.vertices.push_back(corners(corner / 3)[corner % 3]);
-        const std::uint64_t component = mesh_.triangles[made_.triangles[corner / 3]].component;
-        places.push_back(component << 32 | made_.vertices.back());
+        root_of.push_back(corner);
       }
       vertex_of_[corner] = vertex_of_[root];
     }
     fans_ = DisjointSets(0);
-    std::sort(places.begin(), places.end());
+    using Place = std::array<std::uint32_t, 2>;  // vertex of the mesh, component
+    const auto make = [&](const auto& take) {
+      for (std::size_t i = 0; i < root_of.size(); ++i)
+        take(made_.vertices[i],
+             Place{made_.vertices[i], mesh_.triangles[made_.triangles[root_of[i] / 3]].component});
+    };
+    const std::vector<Place> places = sortedByVertex<Place>(mesh_.lattice.size(), make, std::less<>());
     for (std::size_t i = 1; i < places.size(); ++i)
-      mesh_.components[places[i] >> 32].diagnosis.split_vertices += places[i] == places[i - 1];
+      mesh_.components[places[i][1]].diagnosis.split_vertices += places[i] == places[i - 1];
   }
 
   // The kernel's own calls: add_face() finds edges by their ends, so that it knows no two between the same

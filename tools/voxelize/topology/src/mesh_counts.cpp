@@ -2,7 +2,11 @@
 #include "kelp/voxelize/topology/mesh_counts.h"
 
 #include <algorithm>
+#include <array>
+#include <functional>
 #include <unordered_map>
+
+#include "bucket_sort.h"
 
 namespace kelp::bake {
 namespace {
@@ -37,15 +41,16 @@ MeshCounts countMesh(const TriangleSoup& soup) {
   counts.vertices = soup.positions.size();
   counts.triangles = soup.triangles.size();
   counts.dropped = soup.dropped;
-  std::vector<std::uint64_t> edges;
-  edges.reserve(3 * soup.triangles.size());
-  for (const TriangleSoup::Triangle& triangle : soup.triangles) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint64_t a = triangle.vertex[i], b = triangle.vertex[(i + 1) % 3];
-      edges.push_back(std::min(a, b) << 32 | std::max(a, b));
+  using Ends = std::array<std::uint32_t, 2>;
+  const auto make = [&](const auto& take) {
+    for (const TriangleSoup::Triangle& triangle : soup.triangles) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto [low, high] = std::minmax(triangle.vertex[i], triangle.vertex[(i + 1) % 3]);
+        take(low, Ends{low, high});
+      }
     }
-  }
-  std::sort(edges.begin(), edges.end());
+  };
+  const std::vector<Ends> edges = sortedByVertex<Ends>(soup.positions.size(), make, std::less<>());
   Rims rims;
   for (std::size_t begin = 0; begin < edges.size();) {
     std::size_t end = begin + 1;
@@ -53,7 +58,7 @@ MeshCounts countMesh(const TriangleSoup& soup) {
     if (end - begin > 2) ++counts.non_manifold_edges;
     if (end - begin == 1) {
       ++counts.boundary_edges;
-      rims.join(static_cast<std::uint32_t>(edges[begin] >> 32), static_cast<std::uint32_t>(edges[begin]));
+      rims.join(edges[begin][0], edges[begin][1]);
     }
     begin = end;
   }

@@ -3,41 +3,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
-#include <unordered_map>
+#include <functional>
 
+#include "bucket_sort.h"
 #include "caps.h"
 #include "edges.h"
 #include "faulty_mesh.h"
 #include "holes.h"
+#include "kelp/common/point_index.h"
 #include "kelp/voxelize/topology/reasons.h"
 #include "lines.h"
 
 namespace kelp::bake {
 namespace {
 
-struct LatticeHash {
-  std::size_t operator()(const glm::i64vec3& p) const {
-    std::uint64_t h = static_cast<std::uint64_t>(p.x) * 0x9e3779b97f4a7c15u;
-    h = (h ^ (h >> 29)) + static_cast<std::uint64_t>(p.y) * 0xbf58476d1ce4e5b9u;
-    h = (h ^ (h >> 32)) + static_cast<std::uint64_t>(p.z) * 0x94d049bb133111ebu;
-    return static_cast<std::size_t>(h ^ (h >> 31));
-  }
-};
-
 void weld(const TriangleSoup& soup, const Frame& frame, Topology& mesh) {
   constexpr std::uint32_t kUnused = 0xffffffffu;
   std::vector<std::uint32_t> welded(soup.positions.size(), kUnused);
-  std::unordered_map<glm::i64vec3, std::uint32_t, LatticeHash> known;
-  known.reserve(soup.positions.size());
+  PointIndex<glm::i64vec3> known;
   const auto vertexOf = [&](std::uint32_t source) {
     if (welded[source] == kUnused) {
       const glm::dvec3 p(frame.node_to_voxel * glm::dvec4(glm::dvec3(soup.positions[source]), 1.0));
       const glm::i64vec3 snapped(std::llround(p.x / kLatticeStep), std::llround(p.y / kLatticeStep),
                                  std::llround(p.z / kLatticeStep));
-      const auto [at, fresh] = known.try_emplace(snapped, static_cast<std::uint32_t>(mesh.lattice.size()));
-      if (fresh) mesh.lattice.push_back(snapped);
-      welded[source] = at->second;
+      welded[source] = known.of(snapped, mesh.lattice);
     }
     return welded[source];
   };
@@ -60,28 +49,27 @@ bool runsUpward(const std::array<std::uint32_t, 3>& v) {
 // vanish: the first one stays, marked as a wall if there were as many for one side as for the other.
 // Triangles that have collapsed to a line or a point go where others have that as a side or a corner.
 void removeDuplicates(Topology& mesh) {
-  std::vector<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>> keys;
-  keys.reserve(mesh.triangles.size());
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    std::array<std::uint32_t, 3> v = mesh.triangles[i].vertex;
-    std::sort(v.begin(), v.end());
-    keys.emplace_back(v[0], v[1], v[2], i);
-  }
-  std::sort(keys.begin(), keys.end());
+  using Key = std::array<std::uint32_t, 4>;  // the corners from low to high, the triangle
+  const auto make = [&](const auto& take) {
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      std::array<std::uint32_t, 3> v = mesh.triangles[i].vertex;
+      std::sort(v.begin(), v.end());
+      take(v[0], Key{v[0], v[1], v[2], i});
+    }
+  };
+  const std::vector<Key> keys = sortedByVertex<Key>(mesh.lattice.size(), make, std::less<>());
   std::vector<bool> drop(mesh.triangles.size(), false);
   std::size_t first = 0;
   int upward = 0;
   for (std::size_t k = 0; k < keys.size(); ++k) {
     const auto& [a, b, c, i] = keys[k];
-    const bool twice =
-        k > 0 && std::tie(a, b, c) ==
-                     std::tie(std::get<0>(keys[k - 1]), std::get<1>(keys[k - 1]), std::get<2>(keys[k - 1]));
+    const bool twice = k > 0 && std::equal(keys[k].begin(), keys[k].begin() + 3, keys[k - 1].begin());
     if (!twice) {
       first = k;
       upward = 0;
     }
     upward += runsUpward(mesh.triangles[i].vertex) ? 1 : -1;
-    mesh.triangles[std::get<3>(keys[first])].wall = upward == 0;
+    mesh.triangles[keys[first][3]].wall = upward == 0;
     if (twice || a == b || b == c) drop[i] = true;
   }
   keepLoneLines(mesh, drop);

@@ -8,9 +8,9 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
+#include "kelp/common/point_index.h"
 #include "kelp/import/core/source_model.h"
 
 namespace kelp::bake {
@@ -50,13 +50,10 @@ class SoupBuilder {
   TriangleSoup take();
 
  private:
-  std::uint32_t vertex(glm::vec3 position);
+  std::uint32_t vertex(const glm::vec3& position);
 
-  struct Hash {
-    std::size_t operator()(const std::array<std::uint32_t, 3>& bits) const;
-  };
   TriangleSoup soup_;
-  std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, Hash> index_;
+  PointIndex<glm::vec3> index_;
   glm::dvec3 origin_{0};
   std::size_t non_finite_ = 0;
   std::size_t degenerate_ = 0;
