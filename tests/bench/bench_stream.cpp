@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 // How many bytes of a pack must have come until there is a picture, until half of it is final, and until all
-// of it is: README.md here.
+// of it is; and what a frame pays while packs arrive: README.md here.
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -21,6 +25,7 @@ using namespace kelp;
 using namespace kelp::test;
 
 constexpr glm::ivec2 kViewport{640, 480};
+constexpr std::uint64_t kAllBytes = ~std::uint64_t{0}, kFrameBytes = 1 << 20;
 
 [[noreturn]] void fail(const std::string& text) {
   std::fprintf(stderr, "%s\n", text.c_str());
@@ -48,69 +53,83 @@ struct Counted {
   }
 };
 
-// A picture of the pack at rest, as far as it is loaded.
+// A picture of packs at rest side by side, as far as they are loaded.
 class Painter {
  public:
-  explicit Painter(const runtime::Asset& asset) : asset_(asset), canvas_(kViewport) {
+  explicit Painter(std::span<const std::unique_ptr<runtime::Asset>> assets) : canvas_(kViewport) {
     gl::Config config;
     config.getProcAddress = EglContext::getProcAddress;
     renderer_ = expect(gl::Renderer::create(config), "a renderer");
-    if (!renderer_->add(asset)) fail("the pack does not fit");
-    instance_.asset = &asset;
-    const Box box = bounds(instance_);
-    const glm::vec3 centre = 0.5f * (box.min + box.max);
-    view_ = lookAt(canvas_, centre + 0.9f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f),
-                   centre);
+    Box all{glm::vec3(0), glm::vec3(0)};
+    for (const auto& asset : assets) {
+      if (!renderer_->add(*asset)) fail("the packs do not fit");
+      runtime::Instance& instance = instances_.emplace_back();
+      instance.asset = asset.get();
+      const Box box = bounds(instance);
+      const float scale = 1 / glm::distance(box.min, box.max);  // all are of one size
+      instance.to_world = glm::mat4(scale);
+      instance.to_world[3] = glm::vec4(glm::vec3(all.max.x, 0, 0) - scale * box.min, 1);
+      all.max = glm::max(all.max, bounds(instance).max);
+    }
+    const glm::vec3 centre = 0.5f * all.max;
+    view_ = lookAt(canvas_, centre + 0.9f * glm::length(all.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
   }
-  // Draws what is there. pending: whether the renderer wants more.
-  std::vector<Pixel> draw(bool& pending) {
-    const auto uploaded = renderer_->upload(~std::uint64_t{0});
-    if (!uploaded) fail("the pack cannot be uploaded");
-    pending = uploaded->pending > 0;
+  gl::Stats upload(std::uint64_t most) { return expect(renderer_->upload(most), "an upload"); }
+  std::vector<Pixel> draw() {
     canvas_.clear();
-    if (!renderer_->draw(view_, {&instance_, 1})) fail("it cannot be drawn");
+    if (!renderer_->draw(view_, instances_)) fail("it cannot be drawn");
     return canvas_.pixels();
   }
 
  private:
-  const runtime::Asset& asset_;
   Canvas canvas_;
   std::unique_ptr<gl::Renderer> renderer_;
-  runtime::Instance instance_;
+  std::vector<runtime::Instance> instances_;
   gl::View view_;
 };
 
 // The canvas is cleared to zeros, the surface is opaque.
 bool isCovered(const Pixel& pixel) { return pixel[3] != 0; }
 
-nlohmann::json measure(const std::string& path) {
+std::string read(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  const std::string text(std::istreambuf_iterator<char>(file), {});
+  std::string text(std::istreambuf_iterator<char>(file), {});
   if (text.empty()) fail(path + ": cannot be read");
+  return text;
+}
+
+std::vector<std::unique_ptr<runtime::Asset>> open(const Source& source) {
+  std::vector<std::unique_ptr<runtime::Asset>> assets;
+  assets.push_back(expect(runtime::Asset::open(source), "the pack"));
+  return assets;
+}
+
+nlohmann::json measure(const std::string& path) {
+  const std::string text = read(path);
   const std::span<const std::byte> bytes = std::as_bytes(std::span(text));
 
   // The final picture.
   const MemorySource whole(bytes);
-  const auto all = expect(runtime::Asset::open(whole.source()), "the pack");
-  if (!all->loadAll()) fail("the pack cannot be read");
-  bool pending = true;
-  Painter final_painter(*all);
-  std::vector<Pixel> last;
-  while (pending) last = final_painter.draw(pending);
+  const auto all = open(whole.source());
+  if (!all[0]->loadAll()) fail("the pack cannot be read");
+  Painter final_painter(all);
+  while (final_painter.upload(kAllBytes).pending > 0) continue;
+  const std::vector<Pixel> last = final_painter.draw();
   std::size_t covered = 0;
   for (const Pixel& pixel : last) covered += isCovered(pixel);
 
   // Step by step, as the renderer asks for it.
   Counted counted{MemorySource(bytes)};
-  const auto asset = expect(runtime::Asset::open(counted.source()), "the pack");
-  Painter painter(*asset);
+  const auto asset = open(counted.source());
+  Painter painter(asset);
   std::uint64_t first = 0, half = 0, complete = 0, drawn_at = 0;
   const std::uint64_t step = std::max<std::uint64_t>(bytes.size() / 256, 1024);
   while (complete == 0) {
-    const bool loaded = expect(asset->pump(), "a page");
+    const bool loaded = expect(asset[0]->pump(), "a page");
     if (loaded && counted.bytes < drawn_at + step && first > 0) continue;
     drawn_at = counted.bytes;
-    const std::vector<Pixel> now = painter.draw(pending);
+    const bool pending = painter.upload(kAllBytes).pending > 0;
+    const std::vector<Pixel> now = painter.draw();
     std::size_t shown = 0, final_ones = 0;
     for (std::size_t i = 0; i < now.size(); ++i) {
       shown += isCovered(now[i]);
@@ -127,6 +146,54 @@ nlohmann::json measure(const std::string& path) {
   return {{"pack", path}, {"bytes", bytes.size()}, {"first", first}, {"half", half}, {"all", complete}};
 }
 
+// All packs at once: a thread reads and decodes what the renderer asks for, while the other draws and uploads
+// at most kFrameBytes a frame. What upload() takes of each frame is kelp's share of the frame's time.
+nlohmann::json measureFrames(const std::vector<std::string>& paths) {
+  std::vector<std::string> texts;
+  for (const std::string& path : paths) texts.push_back(read(path));
+  std::vector<MemorySource> sources;
+  for (const std::string& text : texts) sources.emplace_back(std::as_bytes(std::span(text)));
+  std::vector<std::unique_ptr<runtime::Asset>> assets;
+  for (const MemorySource& source : sources)
+    assets.push_back(expect(runtime::Asset::open(source.source()), "a pack"));
+  Painter painter(assets);
+  std::atomic<bool> stop = false, idle = false;
+  std::thread reader([&] {
+    while (!stop) {
+      bool more = false;
+      for (const auto& asset : assets) more = expect(asset->pump(), "a page") || more;
+      idle = !more;
+      if (!more) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  std::vector<double> milliseconds;
+  std::uint64_t most = 0, sum = 0;
+  for (int quiet = 0; quiet < 10;) {
+    const auto before = std::chrono::steady_clock::now();
+    const gl::Stats stats = painter.upload(kFrameBytes);
+    milliseconds.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count());
+    most = std::max(most, stats.bytes_uploaded);
+    sum += stats.bytes_uploaded;
+    (void)painter.draw();
+    quiet = idle && stats.pending == 0 && stats.bytes_uploaded == 0 ? quiet + 1 : 0;
+  }
+  stop = true;
+  reader.join();
+  milliseconds.resize(milliseconds.size() - 10);  // nothing was left to do
+  std::sort(milliseconds.begin(), milliseconds.end());
+  const auto share = [&](std::size_t percent) {
+    return milliseconds[(milliseconds.size() - 1) * percent / 100];
+  };
+  std::printf(
+      "%zu packs in %zu frames: %llu bytes uploaded, at most %llu a frame; upload() takes %.3f ms (median), "
+      "%.3f (99 %%), %.3f (most)\n",
+      paths.size(), milliseconds.size(), static_cast<unsigned long long>(sum),
+      static_cast<unsigned long long>(most), share(50), share(99), share(100));
+  return {{"packs", paths},      {"frames", milliseconds.size()}, {"bytes", sum},      {"most_bytes", most},
+          {"median", share(50)}, {"percent_99", share(99)},       {"most", share(100)}};
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -138,5 +205,6 @@ int main(int count, char** arguments) {
   if (!context) fail("no EGL device gives a context of OpenGL 3.3");
   nlohmann::json rows = nlohmann::json::array();
   for (int i = from; i < count; ++i) rows.push_back(measure(arguments[i]));
+  rows.push_back(measureFrames({arguments + from, arguments + count}));
   if (!out.empty()) std::ofstream(out) << rows.dump(1) << "\n";
 }
