@@ -78,11 +78,11 @@ def synopsis(usage):
 
 
 def examples(pairs):
-    out = ""
-    first = {}
+    out, seen = "", set()
     for command, remark in pairs:
-        first.setdefault(command, remark)
-    for command, remark in first.items():
+        if command in seen and not remark:
+            continue
+        seen.add(command)
         out += ".TP\n%s\n%s\n" % (bold(command).replace("'", "\\(aq"), prose(remark) if remark else "\\&")
     return out
 
