@@ -18,8 +18,8 @@ port_debian() {
   need lintian debootstrap dpkg-dev gzip
   rm -f build/package/*.deb
   cmake --workflow --preset package
-  # No manual pages: --help has it all. No bug of Debian's asks for the packages.
-  lintian --allow-root --fail-on error --suppress-tags no-manual-page,initial-upload-closes-no-bugs \
+  # No bug of Debian's asks for the packages.
+  lintian --allow-root --fail-on error,warning --suppress-tags initial-upload-closes-no-bugs \
     build/package/*.deb
   tests/install/hardened.sh build/package/bin/kelp-* build/package/runtime/c/libkelp.so.*.*
   local root=build/debian-root
@@ -33,7 +33,7 @@ port_debian() {
   rm -rf "$root/kelp" && mkdir "$root/kelp"
   cp build/package/*.deb "$root/kelp"
   cp -r tests/install/consumer tests/install/consumer_c tests/install/packs "$root/kelp"
-  cp tests/install/fresh_debian.sh "$root/kelp"
+  cp tests/install/{fresh_debian.sh,help_truth.py,shells.py,manual_test.py,completions_test.py} "$root/kelp"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
   chroot "$root" bash /kelp/fresh_debian.sh
 }

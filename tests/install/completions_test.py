@@ -4,7 +4,7 @@
 the programs read.
 
 Usage: completions_test.py SHELL FOLDER PROGRAM... -- [unittest options]
-FOLDER: manual/ of a build, or the prefix of an installation. Exits with 77 if the shell is not installed."""
+FOLDER: manual/ of a build, or the prefix of an installation."""
 
 import os
 import re
@@ -14,7 +14,7 @@ import tempfile
 import unittest
 
 import shells
-from help_truth import place, truths
+from help_truth import needs, place, truths
 
 END = sys.argv.index("--")
 SHELL, FOLDER, PROGRAMS = sys.argv[1], sys.argv[2], [os.path.abspath(path) for path in sys.argv[3:END]]
@@ -154,7 +154,8 @@ class Completions(unittest.TestCase):
         without_display = {name: value for name, value in os.environ.items() if "DISPLAY" not in name}
         for option in truth.options - {"-h"}:
             done = run("kelp-view", "--watch", "a.obj", option, env=without_display, cwd=self.folder)
-            self.assertEqual("kelp-view sets this itself" not in done.stderr, option in offered, (option, done.stderr))
+            self.assertEqual("kelp-view sets this itself" not in done.stderr, option in offered,
+                             (option, done.stderr))
         self.assertEqual(self.words("kelp-view", "--watch", "a.obj", "--effort", ""), {"fast", "best"})
         self.assertEqual({word for word in self.words("kelp-view", "--watch", "a.kelp", "-")
                           if word.startswith("-")}, set())
@@ -168,7 +169,5 @@ class Completions(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if shells.missing(SHELL):
-        print("skipped: " + shells.missing(SHELL))
-        sys.exit(77)
+    needs(SHELL)
     unittest.main()

@@ -3,7 +3,9 @@
 
 import os
 import re
+import shutil
 import subprocess
+import sys
 
 # Where a build and an installation have them.
 FOLDERS = {
@@ -13,6 +15,14 @@ FOLDERS = {
     "fish": ["fish", "share/fish/vendor_completions.d"],
 }
 NAMES = {"man": "%s.1.gz", "bash": "%s", "zsh": "_%s", "fish": "%s.fish"}
+
+
+def needs(*programs):
+    """Ends the test, as ctest's SKIP_RETURN_CODE has it, unless these are installed."""
+    absent = [program for program in programs if not shutil.which(program)]
+    if absent:
+        print("SKIPPED (opt-in): %s not installed; tools/setup.sh tests installs it" % ", ".join(absent))
+        sys.exit(77)
 
 
 def place(root, kind, program):
@@ -34,7 +44,8 @@ class Truth:
         self.options = {flag for flags, _ in heads for flag in flags.split(",")}
         self.options |= set(re.findall(r"also (-[A-Z]+)\)", self.text))
         # Texts that begin beside the option, or below it.
-        self.descriptions = dict(re.findall(r"(?m)^  (-[^ \n]+)(?: [^\n]*?)?(?:  +|\n {20,})(\S.*)$", self.text))
+        entry = r"(?m)^  (-[^ \n]+)(?: [^\n]*?)?(?:  +|\n {20,})(\S.*)$"
+        self.descriptions = dict(re.findall(entry, self.text))
         # "--effort fast|best": what is in small letters is typed as it is
         self.choices = {}
         for flags, value in heads:

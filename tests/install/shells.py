@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Real shells that are asked what they would complete: SHELL(folder with its scripts, working folder).ask()."""
+"""Real shells that are asked what they would complete."""
 
 import os
 import pty
 import re
 import select
-import shutil
 import subprocess
 import time
 
@@ -81,14 +80,14 @@ class Fish:
         self.sources = "".join("source %s; " % script for script in scripts.values())
 
     def ask(self, *words):
-        line = " ".join("'%s'" % word if word == "" and word is not words[-1] else word for word in words)
+        line = " ".join(words)
         done = subprocess.run(["fish", "--no-config", "-c", self.sources + "complete -C '%s'" % line],
                               cwd=self.folder, capture_output=True, text=True, check=True,
                               env={**QUIET, "HOME": self.folder})
         assert done.stderr == "", done.stderr
         found = dict(line.partition("\t")[::2] for line in done.stdout.split("\n") if line)
-        return {word[word.index("=") + 1:] if word.startswith(words[-1]) and words[-1].endswith("=") else word:
-                about for word, about in found.items()}
+        begin = words[-1] if words[-1].endswith("=") else ""  # --effort=fast
+        return {word.removeprefix(begin): about for word, about in found.items()}
 
 
 class Zsh:
@@ -135,7 +134,3 @@ zle -C answer list-choices answer; bindkey '^I' answer; : >$KELP_OUT.done
 
     def close(self):
         self.shell.close()
-
-
-def missing(shell):
-    return None if shutil.which(shell) else "%s is not installed" % shell

@@ -36,8 +36,8 @@ _%(name)s() {
 """
 
 
-def _quoted(words):
-    return " ".join("'%s'" % word for word in words)
+def _offer(name, values):
+    return "_%s_offer " % name + " ".join("'%s'" % word for word in [" ".join(values.words), *values.kinds])
 
 
 def _cases(name, text, indent="  "):
@@ -46,16 +46,15 @@ def _cases(name, text, indent="  "):
     for option, values in options_by_flags(text):
         if not option.value:
             continue
-        offer = "_%s_offer '%s' %s" % (name, " ".join(values.words), _quoted(values.kinds))
-        lines.append("  %s) %s ;;" % (" | ".join(option.flags),
-                                      offer.rstrip() if values.words or values.kinds else ":"))
+        offer = _offer(name, values) if values.words or values.kinds else ":"
+        lines.append("  %s) %s ;;" % (" | ".join(option.flags), offer))
     flags = [flag for option in text.options() for flag in option.flags]
     argument = argument_values(text)
     lines += ["  *)",
               "    if [[ $word == -* ]]; then",
               "      _%s_offer '%s'" % (name, " ".join(dict.fromkeys(flags))),
               "    else",
-              ("      _%s_offer '%s' %s" % (name, " ".join(argument.words), _quoted(argument.kinds))).rstrip(),
+              "      " + _offer(name, argument),
               "    fi ;;",
               "esac"]
     return "".join(indent + line + "\n" for line in lines)

@@ -16,7 +16,8 @@ import man_page
 import zsh
 
 # What kelp-view, when it bakes, sets itself.
-NOT_OF_VIEW = {"--progress", "--write-deps", "--deps-phony", "--deps-target", "--deps-file", "--help", "--version"}
+NOT_OF_VIEW = {"--progress", "--write-deps", "--deps-phony", "--deps-target", "--deps-file", "--help",
+               "--version"}
 
 
 def write(folder, place, content):

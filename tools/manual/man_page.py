@@ -8,7 +8,7 @@ ENVIRONMENT = {
     "kelp-bake": [("TERM", "If it is dumb, there is no bar of progress.")],
     "kelp-dump": [("NO_COLOR", "If it is set and not empty, palettes are printed without colours."),
                   ("TERM", "If it is dumb, palettes are printed without colours.")],
-    "kelp-render": [("LIBGL_ALWAYS_SOFTWARE", "Mesa's: if it is 1, the processor draws in place of the GPU.")],
+    "kelp-render": [("LIBGL_ALWAYS_SOFTWARE", "Mesa's: if it is 1, the processor draws, not the GPU.")],
     "kelp-view": [("DISPLAY", "The X server that shows the window."),
                   ("PATH", "Where kelp-bake is looked for, unless it is beside kelp-view.")],
 }

@@ -76,7 +76,8 @@ def script(text, bakes=None):
         out += "_arguments -C \\\n%s && return\n" % _arguments(text, equals, rest)
         out += '(( $+functions[_%s_$words[1]] )) && "_%s_$words[1]"\n' % (name, name)
     elif bakes:
-        out += "_arguments -C \\\n%s && return\n" % _arguments(text, equals, (":*::option of kelp-bake:->bakes",))
+        rest = (":*::option of kelp-bake:->bakes",)
+        out += "_arguments -C \\\n%s && return\n" % _arguments(text, equals, rest)
         out += 'if [[ $state == bakes && $words[1] != *.kelp ]]; then\n'
         out += '  _%s_bakes  # words: the model, as if it were the command, and what follows\nfi\n' % name
     else:
