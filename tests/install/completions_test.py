@@ -43,6 +43,7 @@ class Completions(unittest.TestCase):
         shell = {"bash": shells.Bash, "fish": shells.Fish, "zsh": shells.Zsh}[SHELL]
         cls.shell = shell(SCRIPTS, cls.folder, *([setup] if SHELL == "zsh" else []))
         cls.truths = truths(PROGRAMS)
+        cls.all_choices = {word for truth in cls.truths for words in truth.choices.values() for word in words}
 
     @classmethod
     def tearDownClass(cls):
@@ -57,6 +58,8 @@ class Completions(unittest.TestCase):
         """The extensions of the files that are offered. The folder must be, too."""
         words = self.words(*line)
         self.assertIn("sub", {word.rstrip("/") for word in words}, line)
+        others = {word for word in words if not re.match(r"a\.|sub/?$", word)}
+        self.assertEqual(others - self.all_choices, set())
         return {word[2:] for word in words if word.startswith("a.")}
 
     def test_options(self):

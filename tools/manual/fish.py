@@ -9,7 +9,7 @@ HEAD = r"""# fish completion of %(program)s. SPDX-License-Identifier: MIT
 # Folders, and files with these extensions.
 function __%(name)s_files
     set -l word (commandline -ct | string replace -r '^-[^=]*=' '')
-    complete -C "'' $word" | string match -rei '(/|\.(?:'(string join '|' $argv)'))(\t|$)'
+    complete -C "'' $word" | string match -rei '(?:/|\.(?:'(string join '|' $argv)'))(?:\t|$)'
 end
 
 """

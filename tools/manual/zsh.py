@@ -23,7 +23,7 @@ def _files(kinds):
 def _action(values):
     words = "(%s)" % " ".join(values.words)
     if values.words and values.kinds:
-        return '{_alternative "words:word:%s" "files:file:%s"}' % (
+        return '{_alternative "words\\:word\\:%s" "files\\:file\\:%s"}' % (
             words, _files(values.kinds).replace('"', '\\"'))
     return words if values.words else _files(values.kinds) if values.kinds else " "
 
