@@ -112,6 +112,13 @@ class ManualPages(unittest.TestCase):
             of_libraries = {"DISPLAY", "LIBGL_ALWAYS_SOFTWARE"}  # GLFW's, Mesa's
             self.assertEqual(shown - of_libraries, read)
 
+    def test_dashes_can_be_copied(self):
+        """A dash of prose may become a hyphen, which no program takes for a dash."""
+        for _, page in self.each():
+            for line in page.source.split("\n"):
+                if not line.startswith("."):
+                    self.assertNotRegex(line, r"(?<!\\)-")
+
     def test_no_warnings(self):
         for _, page in self.each():
             checks = [["groff", "-ww", "-mandoc", "-z", "-Tutf8"]]
