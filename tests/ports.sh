@@ -35,6 +35,10 @@ port_debian() {
   cp -r tests/install/consumer tests/install/consumer_c tests/install/packs "$root/kelp"
   cp tests/install/{fresh_debian.sh,help_truth.py,shells.py,manual_test.py,completions_test.py} "$root/kelp"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
+  # Shells that are asked what they complete want a terminal, and bash /dev/fd.
+  trap 'umount -q build/debian-root/dev/pts build/debian-root/proc' EXIT
+  mountpoint -q "$root/dev/pts" || mount -t devpts devpts "$root/dev/pts"
+  mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
   chroot "$root" bash /kelp/fresh_debian.sh
 }
 

@@ -33,7 +33,7 @@ done
 bash -ic '. /usr/share/bash-completion/bash_completion; _completion_loader kelp-bake; complete -p kelp-bake'
 zsh -fc 'autoload -Uz compinit; compinit -u -D; for p in bake dump render view; do
   [ "$_comps[kelp-$p]" = "_kelp-$p" ] || { echo "zsh does not find _kelp-$p" >&2; exit 1; }; done'
-fish --no-config -c 'complete -C "kelp-render --meth"' | grep -- --method
+fish -c 'complete -C "kelp-render --meth"' | grep -- --method
 desktop-file-validate /usr/share/applications/kelp-view.desktop
 cp crate.kelp nameless
 for file in crate.kelp nameless; do
