@@ -45,10 +45,14 @@ test -s /usr/share/icons/hicolor/scalable/apps/kelp-view.svg
 # The development files: what the package depends on is enough to link; the consumer's window-less OpenGL
 # comes besides.
 apt-get install -y -qq --no-install-recommends ./libkelp-dev_*.deb ./libkelp0_*.deb g++ cmake \
-  ninja-build pkg-config libegl-dev libgl-dev
-cmake -S consumer -B build-consumer -G Ninja && cmake --build build-consumer
-build-consumer/write_pack cube.kelp && build-consumer/draw cube.kelp
-cmake -S consumer_c -B build-c -G Ninja && cmake --build build-c && build-c/ask cube.kelp
+  ninja-build pkg-config libegl-dev libgl-dev libopengl-dev
+cmake -S consumer -B build-consumer -G Ninja
+cmake --build build-consumer
+build-consumer/write_pack cube.kelp
+build-consumer/draw cube.kelp
+cmake -S consumer_c -B build-c -G Ninja
+cmake --build build-c
+build-c/ask cube.kelp
 bash consumer_c/pkg_config.sh cc /usr cube.kelp
 cat >CMakeLists.txt <<'END'
 cmake_minimum_required(VERSION 3.25)
@@ -59,7 +63,8 @@ target_link_libraries(game PRIVATE kelp::runtime)
 kelp_add_pack(TARGET crates SOURCE crate.obj OPTIONS --resolution 16)
 add_dependencies(game crates)
 END
-cmake -S . -B build-game -G Ninja && cmake --build build-game
+cmake -S . -B build-game -G Ninja
+cmake --build build-game
 build-game/game build-game/crate.kelp
 ninja -C build-game | grep 'no work to do'
 
