@@ -18,9 +18,9 @@ port_debian() {
   need lintian debootstrap dpkg-dev gzip
   rm -f build/package/*.deb
   cmake --workflow --preset package
-  # No manual pages: --help has it all. No bug of Debian's asks for the packages.
-  lintian --allow-root --fail-on error --suppress-tags no-manual-page,initial-upload-closes-no-bugs \
-    build/package/*.deb
+  # No bug of Debian's asks for the packages. CPack calls ldconfig besides the trigger that does.
+  lintian --allow-root --fail-on error,warning \
+    --suppress-tags initial-upload-closes-no-bugs,maintscript-calls-ldconfig build/package/*.deb
   tests/install/hardened.sh build/package/bin/kelp-* build/package/runtime/c/libkelp.so.*.*
   local root=build/debian-root
   if [ ! -x "$root/usr/bin/apt-get" ]; then
@@ -33,8 +33,12 @@ port_debian() {
   rm -rf "$root/kelp" && mkdir "$root/kelp"
   cp build/package/*.deb "$root/kelp"
   cp -r tests/install/consumer tests/install/consumer_c tests/install/packs "$root/kelp"
-  cp tests/install/fresh_debian.sh "$root/kelp"
+  cp tests/install/{fresh_debian.sh,help_truth.py,shells.py,manual_test.py,completions_test.py} "$root/kelp"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
+  # Shells that are asked what they complete want a terminal, and bash /dev/fd.
+  trap 'umount -q build/debian-root/dev/pts build/debian-root/proc' EXIT
+  mountpoint -q "$root/dev/pts" || mount -t devpts devpts "$root/dev/pts"
+  mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
   chroot "$root" bash /kelp/fresh_debian.sh
 }
 

@@ -38,6 +38,8 @@ if(TARGET kelp_c)
   set(CPACK_DEBIAN_LIB_PACKAGE_SECTION libs)
   set(CPACK_DEBIAN_LIB_PACKAGE_SHLIBDEPS ON)
   set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+  file(WRITE ${PROJECT_BINARY_DIR}/papers/triggers "activate-noawait ldconfig\n")
+  set(CPACK_DEBIAN_LIB_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/papers/triggers)
   set(CPACK_DEBIAN_LIB_DESCRIPTION "voxel models that bend - shared library
 The kelp runtime behind its C interface: packs, poses and clips, ray casts,
 distances, and a renderer for OpenGL 3.3 core and OpenGL ES 3.0. Programs in

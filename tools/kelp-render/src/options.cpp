@@ -160,7 +160,7 @@ struct ItemText {
 
 void addItemOptions(CLI::App& app, ItemText& text) {
   // So that options of a shell alias can be overridden.
-  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->group("Options of a pack");
   app.add_option("PACK", text.item.pack, "the .kelp file")->required();
   app.add_option("--bend", text.bend,
                  "draw all parts as if their rigs said so: sections stay level, or perpendicular to the "
@@ -232,6 +232,7 @@ struct PictureText {
 };
 
 void addPictureOptions(CLI::App& app, Options& options, PictureText& text) {
+  app.option_defaults()->group("Options of the picture");
   app.add_option("-o,--output", options.output, "the .png file; with --frames a number is added before .png")
       ->required()
       ->option_text("OUT.png");
@@ -323,9 +324,7 @@ constexpr char kFooter[] =
     "with its steps and time\n"
     "  kelp-render reed.kelp -o pond.png --and fish.kelp --clip swim --at 0.3,0.4,0.1 --turn 20\n"
     "\n"
-    "--and PACK adds a pack to the picture. --bend, --clip, --time, --tangent, --offset, --at, --turn and "
-    "--scale "
-    "belong to the pack before them; all other options come before the first --and.\n"
+    "The options of a pack belong to the pack before them; all other options come before the first --and.\n"
     "Vectors are in the part's axes, y along the spline; 1 is the length of the axis.\n"
     "--method prints one line: the mean number of steps of a ray that meets a part's box, and the time of a "
     "frame.\n"
@@ -355,6 +354,9 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   PictureText picture;
   addItemOptions(app, first);
   addPictureOptions(app, options, picture);
+  std::string in_groups;  // stays empty; the option is here for --help
+  app.add_option("--and", in_groups, "add a pack to the picture; its own options of a pack follow")
+      ->option_text("PACK");
 
   std::vector<std::vector<std::string>> groups(1);
   for (int i = 1; i < argc; ++i) {

@@ -53,9 +53,9 @@ Usage: kelp-view [OPTIONS] [PACK]
        kelp-view [OPTIONS] --watch MODEL [OPTIONS OF kelp-bake]
 
   PACK                      the .kelp file to show; drop others onto the window
-  --view NAME               what the colours mean: shaded, normals, levels, steps, distances, parts (each
-                            its own), fit (how closely each part follows the skin it was made from: green
-                            0 voxels, red 4 and more)
+  --view shaded|normals|levels|steps|distances|parts|fit
+                            what the colours mean; parts: each its own; fit: how closely each part follows
+                            the skin it was made from: green 0 voxels, red 4 and more
   --edit                    open the rig editor at once (key E)
   --watch PACK              show the pack again whenever it changes
   --watch MODEL             bake a model and show it, again whenever it, its rig or a texture changes.

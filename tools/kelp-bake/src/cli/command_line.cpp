@@ -29,7 +29,8 @@ constexpr const char* kExamples = R"(Examples:
   kelp-bake fox.gltf -o fox.kelp --at Walk:0.3        a skinned fox in the middle of a step
   kelp-bake reed.glb -o reed.kelp -MD --cache ~/.cache/kelp
                                                       in a build: writes a rule, bakes nothing twice
-  kelp-bake --manifest assets.json --report done.json many assets; skips packs that are up to date
+  kelp-bake --manifest assets.json --report done.json
+                                                      many assets; skips packs that are up to date
   kelp-bake --manifest assets.json --shard 2/4        the second of four machines
   kelp-bake @models.txt -o packs --resolution 64      the files that a text file lists, one per line
   kelp-bake --print-config > all.toml                 all options, for kelp-bake --config all.toml
@@ -72,9 +73,12 @@ class SharedOptions {
       if (option.scope == OptionScope::kRun && !of_run_too) continue;
       const std::string name = std::string("--") + option.name;
       if (option.type == OptionType::kFlag) {
-        flags_.push_back({option.name, app.add_flag(name, flag_values_.emplace_back(), option.help)});
+        flags_.push_back(
+            {option.name, app.add_flag(name, flag_values_.emplace_back(), option.help)->group(option.group)});
       } else {
-        add(option.name, app.add_option(name, texts_.emplace_back(), option.help)->type_name(option.metavar));
+        add(option.name, app.add_option(name, texts_.emplace_back(), option.help)
+                             ->type_name(option.metavar)
+                             ->group(option.group));
       }
     }
   }
@@ -180,20 +184,26 @@ std::optional<Command> parseCommandLine(const std::vector<std::string>& words) {
   Command command;
   std::string manifest, shard, config;
   CLI::Option* const manifest_option =
-      app.add_option("--manifest", manifest, "bake the assets that a JSON file lists")->type_name("FILE");
+      app.add_option("--manifest", manifest, "bake the assets that a JSON file lists")
+          ->type_name("FILE")
+          ->group("Batches");
   CLI::Option* const shard_option =
       app.add_option("--shard", shard,
                      "of a batch, bake only the I-th of N shares; each asset is in one share")
-          ->type_name("I/N");
+          ->type_name("I/N")
+          ->group("Batches");
   CLI::Option* const config_option =
       app.add_option("--config", config,
                      "read options from a file; the command line and manifests override it")
-          ->type_name("FILE");
+          ->type_name("FILE")
+          ->group("Configuration");
   app.add_flag("--print-config", command.print_config,
-               "bake nothing; write every option with its meaning to stdout, in the form --config reads");
+               "bake nothing; write every option with its meaning to stdout, in the form --config reads")
+      ->group("Configuration");
   app.add_flag("--plan", command.plan,
-               "of a batch, bake nothing; write what would be baked to stdout, as JSON");
-  app.add_flag("--force", command.force, "of a batch, also bake packs that are up to date");
+               "of a batch, bake nothing; write what would be baked to stdout, as JSON")
+      ->group("Batches");
+  app.add_flag("--force", command.force, "of a batch, also bake packs that are up to date")->group("Batches");
   try {
     app.parse(reversed({words.begin() + 1, words.end()}));
   } catch (const CLI::CallForHelp&) {

@@ -169,7 +169,7 @@ std::string printConfig(const Values& values) {
       "# The command line rules over a manifest, a manifest over a configuration. Names of files are "
       "relative to this file's folder.\n";
   for (const OptionInfo& option : optionTable()) {
-    out += "\n" + remark(option.help);
+    out += "\n" + remark(*option.metavar ? std::string(option.metavar) + ": " + option.help : option.help);
     if (const auto value = values.find(option.name); value != values.end()) {
       out += std::string(option.name) + " = " + printValue(option, value->second.text) + "\n";
     } else {

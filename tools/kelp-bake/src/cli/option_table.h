@@ -14,8 +14,9 @@ enum class OptionScope { kPack, kRun };
 enum class OptionPath { kNone, kFile, kFileOrPreset };  // whether the value is a file name
 
 struct OptionInfo {
-  const char* name;  // without dashes
-  const char* metavar;
+  const char* name;     // without dashes
+  const char* group;    // its heading in --help
+  const char* metavar;  // "a|b|FILE": what is in small letters is to be typed as it is
   OptionType type;
   OptionScope scope;
   OptionPath path;

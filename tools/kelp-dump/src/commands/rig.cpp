@@ -93,7 +93,7 @@ Command addRig(CLI::App& app) {
   command
       ->add_option("--set", options->new_rig,
                    "give the part this rig; its clips replace those that move the part")
-      ->option_text("FILE|PRESET");
+      ->option_text("FILE|none|sway|swim");
   command
       ->add_option("-o,--output", options->output,
                    "with --set: where to write the pack; - is standard output")
