@@ -38,8 +38,8 @@ case "${1:-all}" in
   web) packages=("${web[@]}") ;;
   pictures) packages=("${pictures[@]}") ;;
   *)
-    echo "setup.sh: unknown set '$1': give 'all', 'runtime', 'tests', 'sanitizers', 'lint', 'farm', 'web' or" \
-      "'pictures'" >&2
+    echo "setup.sh: unknown set '$1': give 'all', 'runtime', 'tests', 'sanitizers', 'lint', 'farm', 'web'" \
+      "or 'pictures'" >&2
     exit 1 ;;
 esac
 

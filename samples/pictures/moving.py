@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws the moving picture of README.md, moving.webp: an octopus, an arm that rolls up, a kelp plant and fish,
-in voxels large enough to be seen. It plays for ever, without a jump.
+"""Draws the moving picture of README.md, moving.webp: an octopus, an arm that rolls up, a kelp plant and
+fish, in voxels large enough to be seen. It plays for ever, without a jump.
 
-python3 samples/pictures/moving.py --bin build/release/bin --models samples/out/models --out samples/out/moving
+python3 samples/pictures/moving.py --bin build/release/bin --models samples/out/models --out samples/out/m
 (programs: kelp-bake, kelp-render; img2webp, of Debian's package webp)
 """
 
@@ -76,7 +76,7 @@ def main():
         files.append(studio.path("moving_%03d.png" % index))
         png.write(files[-1], frame(studio, packs, index / FRAMES, options.tile * 12 // 5))
     moving = studio.path("moving.webp")
-    subprocess.run([encoder, "-loop", "0", "-min_size", "-lossy", "-q", "60", "-m", "6", "-d",
+    subprocess.run([encoder, "-loop", "0", "-min_size", "-lossy", "-q", "38", "-m", "6", "-d",
                     str(round(1000 / RATE)), *files, "-o", moving], check=True, capture_output=True)
     print(os.path.abspath(moving))
 

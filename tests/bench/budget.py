@@ -53,7 +53,8 @@ def main(library, *packs):
         getattr(kelp, call).argtypes = [Asset]
     kelp.kelp_asset_get_info.argtypes = [Asset, ctypes.c_void_p]
     kelp.kelp_pool_bytes.argtypes = [Asset, ctypes.c_uint32, ctypes.c_void_p]
-    print("%-24s %12s %12s %12s %12s %12s" % ("bytes", "file", "memory", "pool", "memory, dist", "pool, dist"))
+    print("%-24s %12s %12s %12s %12s %12s"
+          % ("bytes", "file", "memory", "pool", "memory, dist", "pool, dist"))
     for pack in packs:
         print("%-24s %12d %12d %12d %12d %12d" % (
             os.path.basename(pack), os.path.getsize(pack), *measure(kelp, pack, False),

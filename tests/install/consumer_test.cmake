@@ -91,7 +91,7 @@ if(HAS_GLFW AND HAS_BAKER)
   file(APPEND ${WORK_DIR}/game_loop/CMakeLists.txt "${bakes}")
   file(COPY_FILE ${KELP_SOURCE_DIR}/tests/fuzz/seeds/gltf/materials.glb ${WORK_DIR}/game_loop/orange.glb)
   step("building with a pack" ${CMAKE_COMMAND} --build ${WORK_DIR}/game_loop/build)
-  step("the game of samples/README.md" bash ${TEST_DIR}/../samples/with_display.sh ${WORK_DIR}/game_loop/build/game
-    ${WORK_DIR}/game_loop/build/orange.kelp --frames 1 ${WORK_DIR}/game.ppm)
+  step("the game of samples/README.md" bash ${TEST_DIR}/../samples/with_display.sh
+    ${WORK_DIR}/game_loop/build/game ${WORK_DIR}/game_loop/build/orange.kelp --frames 1 ${WORK_DIR}/game.ppm)
 endif()
 message(STATUS "the consumer drew its pack: ${drawn}; file begins ${head}")
