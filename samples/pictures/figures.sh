@@ -4,7 +4,7 @@
 # (figures.py), what its two maps do (bends.py), skinned models that play (skins.py), rigs (rigs.py), looks,
 # light, fog and programs with a window (gallery.py), and the moving picture (moving.py). Installs what is
 # missing (as root, or with sudo), builds kelp, makes the sample models, and leaves the pictures in
-# samples/out/figures. An hour on two cores without a graphics card, the build included.
+# samples/out/figures. The moving picture takes longest without a graphics card.
 # Spot, the Stanford bunny, CesiumMan and greenman come from KELP_ASSETS, or from shared/assets beside the
 # checkout; where they are not, kelp's own models stand in for the first two, and the sheets of the others are
 # left out.
