@@ -7,6 +7,8 @@
 #   tools/setup.sh sanitizers  for tests/run.sh --sanitizers, besides
 #   tools/setup.sh lint        for tests/lint.sh
 #   tools/setup.sh farm        for samples/farm; nothing else needs it (some 700 MB)
+#   tools/setup.sh web         for samples/web, besides (some 800 MB)
+#   tools/setup.sh pictures    for samples/pictures/figures.sh, besides
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config python3)
@@ -24,6 +26,8 @@ shells=(zsh fish groff-base mandoc man-db desktop-file-utils shared-mime-info li
 sanitizers=(clang libclang-rt-14-dev lld llvm)
 lint=(clang-tidy cppcheck)
 farm=(snakemake slurm-wlm munge)
+web=(emscripten nodejs dpkg-dev)
+pictures=(webp)  # img2webp
 
 case "${1:-all}" in
   all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;
@@ -33,8 +37,11 @@ case "${1:-all}" in
   runtime) packages=("${build[@]}" "${runtime[@]}") ;;
   lint) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${lint[@]}") ;;
   farm) packages=("${farm[@]}") ;;
+  web) packages=("${web[@]}") ;;
+  pictures) packages=("${pictures[@]}") ;;
   *)
-    echo "setup.sh: unknown set '$1': give 'all', 'runtime', 'tests', 'sanitizers', 'lint' or 'farm'" >&2
+    echo "setup.sh: unknown set '$1': give 'all', 'runtime', 'tests', 'sanitizers', 'lint', 'farm', 'web'" \
+      "or 'pictures'" >&2
     exit 1 ;;
 esac
 

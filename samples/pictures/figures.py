@@ -170,7 +170,8 @@ def figure7(studio, side):
     png.write(studio.path("figure7.png"), sheet.picture)
 
 
-def read_options(description):
+def read_options(description, add_more=None):
+    """The options of all scripts here; `add_more` adds those of one script to the parser."""
     here = os.path.dirname(os.path.abspath(__file__))
     parser = Parser(description=description)
     parser.add_argument("--bin", required=True, help="the folder of kelp's programs")
@@ -184,6 +185,8 @@ def read_options(description):
     parser.add_argument("--tile", type=int, default=290, help="the width of a tile in pixels")
     parser.add_argument("--resolution", type=int, default=256,
                         help="voxels along the longest side of a model")
+    if add_more:
+        add_more(parser)
     options = parser.parse_args()
     options.assets = os.path.normpath(options.assets)
     if options.tile < 40:

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# From a fresh Debian 12 to Figures 6 and 7 of the paper as kelp draws them, two pictures of what its two maps
-# do (bends.py), and contact sheets of skinned models that play (skins.py): installs what is missing (as root,
-# or with sudo), builds kelp, makes the sample models, and leaves the pictures in samples/out/figures.
+# From a fresh Debian 12 to the pictures of GALLERY.md: Figures 6 and 7 of the paper as kelp draws them
+# (figures.py), what its two maps do (bends.py), skinned models that play (skins.py), rigs (rigs.py), looks,
+# light, fog and programs with a window (gallery.py), and the moving picture (moving.py). Installs what is
+# missing (as root, or with sudo), builds kelp, makes the sample models, and leaves the pictures in
+# samples/out/figures. The moving picture takes longest without a graphics card.
 # Spot, the Stanford bunny, CesiumMan and greenman come from KELP_ASSETS, or from shared/assets beside the
 # checkout; where they are not, kelp's own models stand in for the first two, and the sheets of the others are
 # left out.
@@ -12,7 +14,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 case "${1:-}" in
-  -h|--help) sed -n '3,10s/^# \{0,1\}//p' samples/pictures/figures.sh; exit 0 ;;
+  -h|--help) sed -n '3,12s/^# \{0,1\}//p' samples/pictures/figures.sh; exit 0 ;;
 esac
 
 out=samples/out/figures
@@ -28,11 +30,13 @@ step() {
 }
 
 step "packages (minutes, the first time)" tools/setup.sh
+step "the encoder of the moving picture" tools/setup.sh pictures
 step "configure" cmake --preset release
 step "build (minutes, the first time)" cmake --build --preset release --target \
-  kelp-bake kelp-dump kelp-render
+  kelp-bake kelp-dump kelp-render kelp-view collider mirror underwater
 step "make the models" python3 -B samples/models/make_models.py "$out/models"
 printf '  bake, render and lay out\n' >&2
-for script in figures.py bends.py skins.py; do
+python3 -B samples/pictures/rigs.py --bin "$bin" --out "$out"
+for script in figures.py bends.py skins.py gallery.py moving.py; do
   python3 -B samples/pictures/$script --bin "$bin" --models "$out/models" --out "$out" "$@"
 done

@@ -2,17 +2,25 @@
 # SPDX-License-Identifier: MIT
 # Builds kelp for the web from nothing: the modules, the packs of the page, and the page itself, in
 # build/web_page/page. Any web server can serve that folder.
-#   samples/web/build.sh             all of it; a second run only does what has changed
-#   samples/web/build.sh --help      this text
+#   samples/web/build.sh                 all of it; a second run only does what has changed
+#   samples/web/build.sh --serve [PORT]  first installs what is missing, as root or with sudo; then serves the
+#                                        page on this machine, at port 8000 or PORT, until Ctrl-C
+#   samples/web/build.sh --help          this text
 # KELP_BAKE and KELP_JOBS: the kelp-bake to make the packs with (built if it is not given), and how many jobs
 # to compile with.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 source tools/port_prefix.sh
 
+serve=
 case "${1:-}" in
   "") ;;
-  -h|--help) sed -n '3,8s/^# \{0,1\}//p' "samples/web/build.sh"; exit 0 ;;
+  --serve)
+    serve=${2:-8000}
+    [[ $serve =~ ^[0-9]+$ ]] || fail "--serve: '$serve' is no port; see --help"
+    tools/setup.sh
+    tools/setup.sh web ;;
+  -h|--help) sed -n '3,10s/^# \{0,1\}//p' "samples/web/build.sh"; exit 0 ;;
   *) fail "unknown option '$1'; see --help" ;;
 esac
 
@@ -73,3 +81,4 @@ cp samples/web/{index.html,page.css,*.js,*.d.ts,package.json,README.md} "$page/"
 cp "$out"/modules/bin/*.{js,wasm} "$page/"
 packs
 echo "built $page"
+[ -z "$serve" ] || exec python3 -B tests/web/server.py "$page" "$serve"

@@ -57,14 +57,14 @@ if(HAS_VIEW)
   step("kelp-view" ${WORK_DIR}/prefix/bin/kelp-view --version)
 endif()
 
-# The game of README.md: the installed example as it is, whose CMakeLists.txt README.md shows word for word;
-# then with the block that bakes.
-# readme_block(BEGINS RESULT): the block of CMake in README.md that begins so.
+# The game of samples/README.md: the installed example as it is, whose CMakeLists.txt it shows word for
+# word; then with the block that bakes.
+# readme_block(BEGINS RESULT): the block of CMake in samples/README.md that begins so.
 function(readme_block begins result)
-  file(READ ${KELP_SOURCE_DIR}/README.md readme)
+  file(READ ${KELP_SOURCE_DIR}/samples/README.md readme)
   string(FIND "${readme}" "```cmake\n${begins}" begin)
   if(begin EQUAL -1)
-    message(FATAL_ERROR "README.md has no block of CMake that begins with ${begins}")
+    message(FATAL_ERROR "samples/README.md has no block of CMake that begins with ${begins}")
   endif()
   math(EXPR begin "${begin} + 9")
   string(SUBSTRING "${readme}" ${begin} -1 block)
@@ -78,7 +78,7 @@ string(REGEX REPLACE "^#[^\n]*\n" "" lists "${lists}")  # the licence
 readme_block("cmake_minimum_required" shown)
 if(NOT shown STREQUAL lists)
   message(NOTICE "${shown}${lists}")
-  message(FATAL_ERROR "README.md shows another CMakeLists.txt than samples/game_loop has")
+  message(FATAL_ERROR "samples/README.md shows another CMakeLists.txt than samples/game_loop has")
 endif()
 if(HAS_GLFW)
   build(${WORK_DIR}/game_loop ${WORK_DIR}/game_loop/build "${BUILD_TYPE}" "${CXX_FLAGS}"
@@ -91,7 +91,7 @@ if(HAS_GLFW AND HAS_BAKER)
   file(APPEND ${WORK_DIR}/game_loop/CMakeLists.txt "${bakes}")
   file(COPY_FILE ${KELP_SOURCE_DIR}/tests/fuzz/seeds/gltf/materials.glb ${WORK_DIR}/game_loop/orange.glb)
   step("building with a pack" ${CMAKE_COMMAND} --build ${WORK_DIR}/game_loop/build)
-  step("the game of README.md" bash ${TEST_DIR}/../samples/with_display.sh ${WORK_DIR}/game_loop/build/game
-    ${WORK_DIR}/game_loop/build/orange.kelp --frames 1 ${WORK_DIR}/game.ppm)
+  step("the game of samples/README.md" bash ${TEST_DIR}/../samples/with_display.sh
+    ${WORK_DIR}/game_loop/build/game ${WORK_DIR}/game_loop/build/orange.kelp --frames 1 ${WORK_DIR}/game.ppm)
 endif()
 message(STATUS "the consumer drew its pack: ${drawn}; file begins ${head}")

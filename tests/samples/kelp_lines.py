@@ -3,8 +3,8 @@
 
 Which lines of a one-file sample are kelp's: all lines of each statement that names kelp, or an object of
 kelp's (a variable that such a statement declares as `auto` or as a type of kelp). Comments and texts in
-quotes do not count. With SAMPLE, prints them. Without, checks that samples/README.md and README.md list them
-as they are, and that the samples are as short as they say."""
+quotes do not count. With SAMPLE, prints them. Without, checks that samples/README.md lists them as they are,
+that the samples are as short as it says, and that README.md needs ten lines of C++."""
 
 import os
 import re
@@ -61,15 +61,18 @@ def lines_of(folder, sample):
     return len(lines) - 1, [lines[number].strip() for number in kelp_lines(text)]
 
 
+def blocks_of(text):
+    """The lines of each block of C++ in Markdown."""
+    return [[line.strip() for line in block.strip().split("\n")]
+            for block in re.findall(r"```cpp\n(.*?)```", text, flags=re.S)]
+
+
 def main(folder, sample=None):
     if sample:
         print("\n".join(lines_of(folder, sample)[1]))
         return
-    texts = {}
-    for place in (os.path.join(folder, "README.md"), os.path.join(folder, "..", "README.md")):
-        with open(place, encoding="utf-8") as file:
-            texts[place] = file.read()
-    readme = texts[os.path.join(folder, "README.md")]
+    with open(os.path.join(folder, "README.md"), encoding="utf-8") as file:
+        readme = file.read()
     for name, most in SAMPLES.items():
         total, lines = lines_of(folder, name)
         print("%s: %d lines, %d of them kelp's" % (name, total, len(lines)))
@@ -78,11 +81,11 @@ def main(folder, sample=None):
             "samples/README.md does not say how many lines %s has" % name
         if most:
             assert len(lines) <= most, "%d lines of %s are kelp's, more than %d" % (len(lines), name, most)
-            for place, text in texts.items():
-                blocks = [[line.strip() for line in block.strip().split("\n")]
-                          for block in re.findall(r"```cpp\n(.*?)```", text, flags=re.S)]
-                assert lines in blocks, "%s does not list kelp's lines of %s:\n%s" % (place, name,
-                                                                                      "\n".join(lines))
+            assert lines in blocks_of(readme), "samples/README.md does not list kelp's lines of %s:\n%s" % (
+                name, "\n".join(lines))
+    with open(os.path.join(folder, "..", "README.md"), encoding="utf-8") as file:
+        ten = [line for line in blocks_of(file.read())[0] if not line.startswith("//")]
+    assert len(ten) <= 10, "README.md needs %d lines of C++, more than ten" % len(ten)
 
 
 if __name__ == "__main__":
