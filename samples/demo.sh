@@ -75,7 +75,8 @@ END
 step "install packages (a minute or two the first time)" tools/setup.sh
 step "configure" cmake --preset release
 step "build (the longest step, the first time)" cmake --build --preset release --target \
-  kelp-bake kelp-dump kelp-render kelp-view game_loop mirror sdl underwater
+  kelp-bake kelp-dump kelp-render kelp-view game_loop mirror sdl underwater \
+  kelp_manual kelp_c kelp_c_static  # what an installation needs beside these
 if stale "$out/models/seabed.glb" samples/models/*.py; then
   step "make the models" python3 -B samples/models/make_models.py "$out/models"
 fi

@@ -32,7 +32,8 @@ pictures=(webp)  # img2webp
 case "${1:-all}" in
   all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;
   tests)
-    packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${format[@]}" "${shells[@]}") ;;
+    packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${format[@]}" "${shells[@]}"
+              "${pictures[@]}") ;;
   sanitizers) packages=("${build[@]}" "${sanitizers[@]}") ;;
   runtime) packages=("${build[@]}" "${runtime[@]}") ;;
   lint) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${lint[@]}") ;;

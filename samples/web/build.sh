@@ -17,7 +17,10 @@ case "${1:-}" in
   "") ;;
   --serve)
     serve=${2:-8000}
-    [[ $serve =~ ^[0-9]+$ ]] || fail "--serve: '$serve' is no port; see --help"
+    [[ $serve =~ ^[1-9][0-9]{0,4}$ ]] && [ "$serve" -le 65535 ] ||
+      fail "--serve: '$serve' is no port from 1 to 65535; see --help"
+    ! (exec 3<>"/dev/tcp/127.0.0.1/$serve") 2>/dev/null ||
+      fail "--serve: something answers at port $serve already; give another one"
     tools/setup.sh
     tools/setup.sh web ;;
   -h|--help) sed -n '3,10s/^# \{0,1\}//p' "samples/web/build.sh"; exit 0 ;;

@@ -48,7 +48,10 @@ def measure(kelp, path, distances):
 
 
 def main(library, *packs):
-    kelp = ctypes.CDLL(os.path.abspath(library))
+    try:
+        kelp = ctypes.CDLL(os.path.abspath(library))
+    except OSError as error:
+        sys.exit("budget.py: %s; build it: cmake --build --preset release --target kelp_c" % error)
     for call in ("kelp_asset_load_all", "kelp_asset_destroy"):
         getattr(kelp, call).argtypes = [Asset]
     kelp.kelp_asset_get_info.argtypes = [Asset, ctypes.c_void_p]

@@ -63,18 +63,17 @@ def entry(option):
     return ".TP\n%s\n%s\n" % (head, text + (" (%s)" % "; ".join(remarks) if remarks else ""))
 
 
-def usage_line(line):
+def usage_line(line, commands):
     def word(match):
         text = match[0]
-        if text.startswith(("kelp-", "--")) or text in ("info", "verify", "diff", "rig", "extract", "slice",
-                                                        "schema"):
+        if text.startswith(("kelp-", "--")) or text in commands:
             return bold(text)
         return plain(text) if text == "of" else italic(text)
     return re.sub(r"[\w.-]+", word, line)
 
 
-def synopsis(usage):
-    return "\n.br\n".join(usage_line(line) for line in usage) + "\n"
+def synopsis(usage, commands):
+    return "\n.br\n".join(usage_line(line, commands) for line in usage) + "\n"
 
 
 def examples(pairs):
@@ -93,7 +92,8 @@ def notes(pairs):
 
 
 def command_section(command):
-    out = ".SS %s\n%s.PP\n%s.\n" % (plain(command.program + " " + command.command), synopsis(command.usage),
+    out = ".SS %s\n%s.PP\n%s.\n" % (plain(command.program + " " + command.command),
+                                    synopsis(command.usage, [command.command]),
                                     prose(command.about))
     out += "".join(map(entry, command.arguments + command.options()))
     out += notes(command.notes)
@@ -119,7 +119,7 @@ def page(text, version, date):
     out = ".\\\" SPDX-License-Identifier: MIT\n.\\\" Made by tools/manual from %s --help.\n" % text.program
     out += '.TH %s 1 %s "kelp %s" "User Commands"\n' % (text.program.upper(), date, version)
     out += ".SH NAME\n%s \\- %s\n" % (plain(text.program), plain(first))
-    out += ".SH SYNOPSIS\n" + synopsis(text.usage)
+    out += ".SH SYNOPSIS\n" + synopsis(text.usage, text.commands)
     out += ".SH DESCRIPTION\n%s\n" % prose(text.about) + notes(text.notes)
     out += ".SH OPTIONS\n" + "".join(map(entry, text.arguments))
     for heading, options in text.groups.items():
