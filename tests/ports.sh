@@ -49,11 +49,11 @@ port_windows() {
 
 # The page of samples/web in real browsers, with kelp-bake and kelp-render of this checkout.
 test_page() {
-  need chromium firefox-esr xvfb python3 brotli
   local programs=$PWD/build/release/bin page=build/web_page/page out=build/web_page/tests failed=0 browser
   if [ -n "${KELP_PROGRAMS:-}" ]; then
     programs=$KELP_PROGRAMS
   else
+    tools/setup.sh
     cmake --preset release >build/ports/web/release.log
     cmake --build --preset release --target kelp-bake kelp-render
   fi
@@ -62,15 +62,17 @@ test_page() {
     >build/ports/web/native.log
   cmake --build build/web_page/native --target kelp_camera
   python3 -B tests/web/sizes.py "$page"
+  python3 -B tests/web/package.py "$page" build/web_page/package || failed=1
   for browser in firefox chromium; do
     python3 -B tests/web/browsers.py "$browser" "$page" "$out" "$programs" \
       build/web_page/native/kelp_camera || failed=1
   done
-  [ "$failed" -eq 0 ] || fail "the page failed in a browser"
+  [ "$failed" -eq 0 ] || fail "the package, or the page in a browser, failed"
 }
 
 port_web() {
-  need emscripten nodejs
+  need emscripten nodejs chromium firefox-esr xvfb xauth python3 brotli node-typescript
+  command -v npm >/dev/null || need npm  # a nodejs that is not Debian's brings its own
   if [ "${KELP_WEB:-}" = page ]; then
     mkdir -p build/ports/web
     test_page

@@ -18,7 +18,8 @@ const STYLE = `
   progress[hidden] { display: none; }
 `;
 
-export class KelpView extends HTMLElement {
+// Where there are no elements (a page that is rendered on a server) it can be imported, and does nothing.
+export class KelpView extends (globalThis.HTMLElement ?? Object) {
   static observedAttributes = ['src', 'clip'];
   #words; #progress; #canvas; #ready = null; #problem = '';
 
@@ -122,4 +123,4 @@ export class KelpView extends HTMLElement {
   }
 }
 
-customElements.define('kelp-view', KelpView);
+globalThis.customElements?.define('kelp-view', KelpView);

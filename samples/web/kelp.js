@@ -34,6 +34,7 @@ async function instantiate() {
 }
 
 export async function create(canvas, options = {}) {
+  if (typeof canvas?.getContext !== 'function') throw new KelpError('create() takes a canvas of a page');
   const attributes = {alpha: true, antialias: false, depth: true, stencil: false, premultipliedAlpha: true,
                       powerPreference: 'high-performance'};
   const gl = canvas.getContext('webgl2', attributes);
