@@ -63,7 +63,8 @@ export class KelpView extends (globalThis.HTMLElement ?? Object) {
     for (const type of ['progress', 'open', 'picture', 'fine', 'problem', 'restored', 'camera'])
       view.addEventListener(type, ({detail}) => this.dispatchEvent(new CustomEvent(type, {detail})));
     view.addEventListener('problem', ({detail}) => this.say(detail, true));
-    view.addEventListener('restored', () => this.say(''));
+    for (const type of ['open', 'restored'])  // what went wrong before is over
+      view.addEventListener(type, () => this.say(''));
     view.addEventListener('progress', ({detail}) => this.#showProgress(detail));
     view.addEventListener('fine', () => { this.#progress.hidden = true; });
     this.view = view;

@@ -26,7 +26,7 @@ def load(browser, server, name, rate):
     return browser.run(f"""
         const {{create}} = await import('{server.address}kelp.js');
         document.body.innerHTML = '<canvas style="width: 320px; height: 400px">';
-        const canvas = document.querySelector('canvas'), view = await create(canvas, {{pixelRatio: 1}});
+        const canvas = document.querySelector('canvas'), view = await create(canvas);
         const gl = canvas.getContext('webgl2'), began = performance.now();
         const at = (type) => new Promise((done) => view.addEventListener(type, () => {{
           {READ} done((performance.now() - began) / 1000); }}));
