@@ -5,8 +5,9 @@
 #                            Debian and uses them there (as root; downloads some 500 MB)
 #   tests/ports.sh windows   cross-compiles the runtime and kelp-dump with mingw-w64, runs their tests in wine
 #   tests/ports.sh web       compiles the runtime with emscripten, runs its tests in node, links a program
-#                            with WebGL 2; then builds the page of samples/web and tests it in Chromium and
-#                            Firefox (KELP_WEB=page: this alone). Screenshots: build/web_page/tests
+#                            with WebGL 2; then builds the page of samples/web, tests its package for npm, and
+#                            it in Chromium and Firefox (KELP_WEB=page: this alone). Screenshots:
+#                            build/web_page/tests
 # Names the packages to install if one is missing. Everything goes to build/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -103,7 +104,7 @@ port_web() {
 main() {
   case "${1:-}" in
     debian|windows|web) "port_$1" ;;
-    -h|--help) sed -n '3,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
+    -h|--help) sed -n '3,13s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
     *) fail "give one of debian, windows, web; see --help" ;;
   esac
 }

@@ -222,8 +222,8 @@ class Tests(Harness, Hands, Faults):
         for name in os.environ.get("KELP_WEB_TESTS", "").split() or names:
             try:
                 getattr(self, name)()
-            except RuntimeError as error:
-                self.check(name, False, error)
+            except Exception as error:  # the others go on, and the browser is closed
+                self.check(name, False, repr(error))
         errors = [event for event in self.browser.events if event["method"] == "Runtime.exceptionThrown"]
         self.check("nothing was thrown past the page", not errors, errors or "")
         self.browser.close()
