@@ -48,7 +48,11 @@ uniform vec3 kelp_ground_color;
 uniform bool kelp_self_shadow;
 uniform int kelp_occlusion_rays;     // 0 .. 16; 0: none
 uniform float kelp_occlusion_reach;  // of the part's longest side
-uniform int kelp_shading;            // kelp::gl::Shading
+#ifdef KELP_GRADIENT_ONLY
+const int kelp_shading = 0;
+#else
+uniform int kelp_shading;  // kelp::gl::Shading
+#endif
 #define KELP_SHADING_FACES 1
 #define KELP_SHADING_SMOOTH 2
 

@@ -8,6 +8,7 @@
 - No product source has more than 400 lines, and no function more than 80, unless a comment just above says
   why: "Long: REASON".
 - Every room has a README.
+- What tests/ports.sh web compiles calls no algorithm of std::ranges: emscripten's libc++ 13 has none.
 - clang-format, where it is installed, would change nothing.
 """
 
@@ -63,6 +64,11 @@ ROOMS = {
 }
 
 WHOLE = {"kelp/kelp.hpp": "runtime/gl", "kelp/kelp.h": "runtime/c"}  # all headers for games
+
+PORTED = ("formats/", "runtime/", "samples/web/", "tools/common/", "tools/fields/",
+          "tools/import/core/", "tools/import/voxels/", "tools/rig/", "tests/fields/", "tests/formats/",
+          "tests/fuzz/", "tests/reference/", "tests/rig/", "tests/runtime/", "tests/shaders/",
+          "tests/support/")  # to emscripten 3.1.6
 
 CODE = (".c", ".cpp", ".h", ".hpp", ".inl")
 SHADERS = (".glsl", ".frag", ".vert")
@@ -133,6 +139,14 @@ def check_widths(path, lines):
             yield f"{path}:{number}: {len(line)} columns, {WIDTH} is the limit"
 
 
+def check_ported(path, lines):
+    if not path.startswith(PORTED) or not path.endswith(CODE):
+        return
+    for number, line in enumerate(lines, 1):
+        if "std::ranges::" in line:
+            yield f"{path}:{number}: emscripten 3.1.6 has no algorithms of std::ranges; call one of std"
+
+
 def check_lengths(path, lines):
     if not path.startswith(PRODUCT) or not path.endswith(CODE + SHADERS):
         return
@@ -181,7 +195,7 @@ def main():
             continue
         with open(path, encoding="utf-8") as file:
             lines = file.read().rstrip("\n").split("\n")
-        for check in (check_arrows, check_widths, check_lengths):
+        for check in (check_arrows, check_widths, check_ported, check_lengths):
             faults.extend(check(path, lines))
     faults.extend(f"{room}: has no README.md" for room in ROOMS if not os.path.isfile(room + "/README.md"))
     faults.extend(check_format([path for path in files if path.endswith(CODE)]))

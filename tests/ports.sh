@@ -5,8 +5,9 @@
 #                            Debian and uses them there (as root; downloads some 500 MB)
 #   tests/ports.sh windows   cross-compiles the runtime and kelp-dump with mingw-w64, runs their tests in wine
 #   tests/ports.sh web       compiles the runtime with emscripten, runs its tests in node, links a program
-#                            with WebGL 2; then builds the page of samples/web and tests it in Chromium and
-#                            Firefox (KELP_WEB=page: this alone). Screenshots: build/web_page/tests
+#                            with WebGL 2; then builds the page of samples/web, tests its package for npm, and
+#                            it in Chromium and Firefox (KELP_WEB=page: this alone). Screenshots:
+#                            build/web_page/tests
 # Names the packages to install if one is missing. Everything goes to build/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -53,11 +54,11 @@ port_windows() {
 
 # The page of samples/web in real browsers, with kelp-bake and kelp-render of this checkout.
 test_page() {
-  need chromium firefox-esr xvfb python3 brotli
   local programs=$PWD/build/release/bin page=build/web_page/page out=build/web_page/tests failed=0 browser
   if [ -n "${KELP_PROGRAMS:-}" ]; then
     programs=$KELP_PROGRAMS
   else
+    tools/setup.sh
     cmake --preset release >build/ports/web/release.log
     cmake --build --preset release --target kelp-bake kelp-render
   fi
@@ -66,15 +67,17 @@ test_page() {
     >build/ports/web/native.log
   cmake --build build/web_page/native --target kelp_camera
   python3 -B tests/web/sizes.py "$page"
+  python3 -B tests/web/package.py "$page" build/web_page/package || failed=1
   for browser in firefox chromium; do
     python3 -B tests/web/browsers.py "$browser" "$page" "$out" "$programs" \
       build/web_page/native/kelp_camera || failed=1
   done
-  [ "$failed" -eq 0 ] || fail "the page failed in a browser"
+  [ "$failed" -eq 0 ] || fail "the package, or the page in a browser, failed"
 }
 
 port_web() {
-  need emscripten nodejs
+  need emscripten nodejs chromium firefox-esr xvfb xauth python3 brotli node-typescript
+  command -v npm >/dev/null || need npm  # a nodejs that is not Debian's brings its own
   if [ "${KELP_WEB:-}" = page ]; then
     mkdir -p build/ports/web
     test_page
@@ -105,7 +108,7 @@ port_web() {
 main() {
   case "${1:-}" in
     debian|windows|web) "port_$1" ;;
-    -h|--help) sed -n '3,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
+    -h|--help) sed -n '3,13s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
     *) fail "give one of debian, windows, web; see --help" ;;
   esac
 }

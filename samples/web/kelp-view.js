@@ -18,7 +18,8 @@ const STYLE = `
   progress[hidden] { display: none; }
 `;
 
-export class KelpView extends HTMLElement {
+// Where there are no elements (a page that is rendered on a server) it can be imported, and does nothing.
+export class KelpView extends (globalThis.HTMLElement ?? Object) {
   static observedAttributes = ['src', 'clip'];
   #words; #progress; #canvas; #ready = null; #problem = '';
 
@@ -62,7 +63,8 @@ export class KelpView extends HTMLElement {
     for (const type of ['progress', 'open', 'picture', 'fine', 'problem', 'restored', 'camera'])
       view.addEventListener(type, ({detail}) => this.dispatchEvent(new CustomEvent(type, {detail})));
     view.addEventListener('problem', ({detail}) => this.say(detail, true));
-    view.addEventListener('restored', () => this.say(''));
+    for (const type of ['open', 'restored'])  // what went wrong before is over
+      view.addEventListener(type, () => this.say(''));
     view.addEventListener('progress', ({detail}) => this.#showProgress(detail));
     view.addEventListener('fine', () => { this.#progress.hidden = true; });
     this.view = view;
@@ -122,4 +124,4 @@ export class KelpView extends HTMLElement {
   }
 }
 
-customElements.define('kelp-view', KelpView);
+globalThis.customElements?.define('kelp-view', KelpView);

@@ -10,7 +10,10 @@ export type Source = string | URL | Blob | ArrayBuffer | ArrayBufferView;
 export interface Options {
   /** Memory of the graphics card for voxels, allocated at once; at least 256 KiB. Default: 64 MiB. */
   gpuBytes?: number;
-  /** Pixels of the canvas for each CSS pixel. Default: the screen's, at most 2. */
+  /**
+   * Pixels of the canvas for each CSS pixel. Default: the screen's, at most 2, and fewer for the first picture and
+   * while something moves and frames are slow.
+   */
   pixelRatio?: number;
 }
 

@@ -7,6 +7,11 @@ export {KelpError};
 
 const MOVES = 1, CHANGED = 2, WAITS = 4, DRAWN = 8, FINE = 16;  // as in src/viewer.h
 const STAGING = 65536;
+// While the model moves, slow frames are drawn with fewer pixels: these shares of the canvas's width and height.
+const SCALES = [1, 0.75, 0.5, 0.35];
+const FIRST = 2;  // of SCALES; how slow frames are is not known yet
+const SLOW = 100, FAST = 35;  // milliseconds a frame
+const STIRS = 250;            // milliseconds that the camera counts as moving
 const NO_WEBGL = 'This browser shows no WebGL 2, which kelp draws with. Try a newer browser, or switch on ' +
     'hardware acceleration in its settings.';
 
@@ -34,6 +39,7 @@ async function instantiate() {
 }
 
 export async function create(canvas, options = {}) {
+  if (typeof canvas?.getContext !== 'function') throw new KelpError('create() takes a canvas of a page');
   const attributes = {alpha: true, antialias: false, depth: true, stencil: false, premultipliedAlpha: true,
                       powerPreference: 'high-performance'};
   const gl = canvas.getContext('webgl2', attributes);
@@ -49,6 +55,7 @@ export class View extends EventTarget {
   #camera = {yaw: 30, pitch: 15, zoom: 1, pan: [0, 0]};
   #pose = new Map();
   #shown = {picture: false, fine: false};
+  #scale = 0; #pace = 0; #drawn = 1; #stirred = -STIRS;
 
   constructor(canvas, gl, attributes, module, options) {
     super();
@@ -228,6 +235,7 @@ export class View extends EventTarget {
     if (![all.yaw, all.pitch, all.zoom, ...all.pan].every(Number.isFinite)) return;
     this.#camera = all;
     this.#module._kelp_orbit(all.yaw, all.pitch, all.zoom, ...all.pan);
+    this.#stirred = performance.now();
     this.invalidate();
     this.#tell('camera', this.camera);
   }
@@ -271,17 +279,29 @@ export class View extends EventTarget {
     if (this.#asked || this.#ended) return;
     this.#asked = requestAnimationFrame((now) => {
       this.#asked = 0;
-      const flags = this.#draw(this.#last === null ? 1 / 60 : Math.min((now - this.#last) / 1000, 0.5));
-      this.#last = null;
-      if (!(flags & (MOVES | CHANGED)) && !this.#playing) return;
-      this.#last = now;
-      this.invalidate();
+      const moves = this.#last?.moves || this.#playing || now - this.#stirred < STIRS;
+      if (this.#last?.moves) this.#keepPace(now - this.#last.at);
+      const fewer = !this.#shown.picture ? FIRST : moves ? this.#scale : 0;
+      const flags = this.#draw(this.#last ? Math.min((now - this.#last.at) / 1000, 0.5) : 1 / 60, SCALES[fewer]);
+      const still = !(flags & MOVES) && !this.#playing && now - this.#stirred >= STIRS;
+      this.#last = still && !(flags & CHANGED) ? null : {at: now, moves: !still};
+      if (this.#last || this.#drawn < 1 && this.#shown.picture) this.invalidate();
     });
   }
 
-  #draw(seconds) {
+  // Chooses the scale of what moves by what its frames take: more or fewer pixels after three that are too fast
+  // or too slow.
+  #keepPace(milliseconds) {
+    const way = milliseconds > SLOW ? 1 : milliseconds < FAST ? -1 : 0;
+    this.#pace = way === 0 || way * this.#pace < 0 ? way : this.#pace + way;
+    if (Math.abs(this.#pace) < 3) return;
+    this.#scale = Math.min(Math.max(this.#scale + way, 0), SCALES.length - 1);
+    this.#pace = 0;
+  }
+
+  #draw(seconds, scale = 1) {
     if (this.#lost || this.#ended) return 0;
-    this.#fit();
+    this.#drawn = this.#fit(scale);
     if (this.#playing) this.#time += seconds * this.#speed;
     const flags = this.#guard(
         () => this.#module._kelp_frame(this.canvas.width, this.canvas.height, this.#clip, this.#time, seconds), 0);
@@ -304,12 +324,15 @@ export class View extends EventTarget {
     return this.#shown.fine;
   }
 
-  #fit() {
-    const ratio = this.#options.pixelRatio ?? Math.min(devicePixelRatio, 2);
+  // The share of the pixels' width and height that is drawn: 1 if the host says how many there are.
+  #fit(wanted) {
+    const scale = this.#options.pixelRatio === null ? wanted : 1;
+    const ratio = (this.#options.pixelRatio ?? Math.min(devicePixelRatio, 2)) * scale;
     const width = Math.max(Math.round(this.canvas.clientWidth * ratio), 1);
     const height = Math.max(Math.round(this.canvas.clientHeight * ratio), 1);
     if (this.canvas.width !== width) this.canvas.width = width;
     if (this.canvas.height !== height) this.canvas.height = height;
+    return scale;
   }
 
   // Draws now, and reads the picture: RGBA, from the bottom row up, premultiplied.

@@ -193,7 +193,10 @@ TEST(Distance, TheWriterRefusesWhatReadersWould) {
        }},
       {"too far", [](RawPack& p) { p.parts[1].distances[0].codes[0] = 2; }},  // its neighbour is solid
       {"solid outside", [](RawPack& p) { p.parts[1].distances[0].codes[2] = 254; }},
-      {"all far", [](RawPack& p) { std::ranges::fill(p.parts[1].distances[0].codes, kFarOutside); }},
+      {"all far",
+       [](RawPack& p) {
+         for (auto& code : p.parts[1].distances[0].codes) code = kFarOutside;
+       }},
   };
   for (const auto& fault : kFaults) {
     RawPack pack = test::makeTinyDistancePack();

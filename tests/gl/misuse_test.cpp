@@ -209,6 +209,30 @@ TEST_P(MisuseTest, OfViews) {
   EXPECT_EQ(renderer->draw(good, {})->draws, 0u);
 }
 
+// A renderer without the other shadings draws the same picture, and refuses them.
+TEST_P(MisuseTest, OfShadingsThatAreLeftOut) {
+  const Canvas canvas({80, 60});
+  gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
+  gl::Config config = quiet();
+  const auto whole = makeRenderer(*loaded_.asset, nullptr, config);
+  canvas.clear();
+  ASSERT_TRUE(whole->draw(view, {&instance_, 1}));
+  const std::vector<Pixel> expected = canvas.pixels();
+  config.all_shadings = false;
+  const auto smaller = makeRenderer(*loaded_.asset, nullptr, config);
+  canvas.clear();
+  ASSERT_TRUE(smaller->draw(view, {&instance_, 1}));
+  EXPECT_EQ(canvas.pixels(), expected);
+  EXPECT_NE(expected, std::vector<Pixel>(expected.size()));
+  for (const gl::Shading shading : {gl::Shading::kFaces, gl::Shading::kSmooth}) {
+    view.quality.shading = shading;
+    EXPECT_TRUE(whole->draw(view, {&instance_, 1}));
+    const auto refused = smaller->draw(view, {&instance_, 1});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kMisuse);
+  }
+}
+
 TEST_P(MisuseTest, OfTheRenderer) {
   const auto renderer = makeRenderer(*loaded_.asset);
   EXPECT_EQ(renderer->add(*loaded_.asset).error().code, ErrorCode::kMisuse);

@@ -111,10 +111,10 @@ class Layers {
       }
     for (int z = 0; z < volume_.size.z && !squares.empty(); ++z)
       for (int x = 0; x < volume_.size.x; ++x)
-        layer.nearest.push_back(
-            *std::ranges::min_element(squares, {}, [cell = glm::ivec2(x, z)](const glm::ivec2& square) {
-              const glm::ivec2 d = square - cell;
-              return d.x * d.x + d.y * d.y;
+        layer.nearest.push_back(*std::min_element(
+            squares.begin(), squares.end(), [cell = glm::ivec2(x, z)](const auto& a, const auto& b) {
+              const glm::ivec2 to_a = a - cell, to_b = b - cell;
+              return to_a.x * to_a.x + to_a.y * to_a.y < to_b.x * to_b.x + to_b.y * to_b.y;
             }));
     return layer;
   }
@@ -166,7 +166,8 @@ class BentTruth : public SolidTruth {
         best = d2, found = {at.x + cut.at.x, cut.at.y, at.y + cut.at.z};
       return true;
     };
-    const auto middle = std::ranges::lower_bound(cuts_, p.y, {}, [](const Cut& cut) { return cut.at.y; });
+    const auto middle = std::lower_bound(cuts_.begin(), cuts_.end(), p.y,
+                                         [](const Cut& cut, double y) { return cut.at.y < y; });
     for (auto up = middle; up != cuts_.end() && tryCut(*up);) ++up;
     for (auto down = middle; down != cuts_.begin() && tryCut(*std::prev(down));) --down;
     return found;

@@ -36,7 +36,7 @@ RawPack twoParts() {
 std::vector<Knot> allKnots(const Pose& pose) {
   std::vector<Knot> all;
   for (int part = 0; part < pose.parts(); ++part)
-    std::ranges::copy(test::inVoxels(pose.knots(part), 40), std::back_inserter(all));
+    for (const Knot& knot : test::inVoxels(pose.knots(part), 40)) all.push_back(knot);
   return all;
 }
 

@@ -24,7 +24,8 @@ class Quality {
     for (int i = 0; i < 3; ++i) {
       std::vector<double>& ratios = ratios_[i];
       ASSERT_GT(ratios.size(), 50u) << name;
-      std::ranges::nth_element(ratios, ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2));
+      std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
+                       ratios.end());
       median_[i] = ratios[ratios.size() / 2];
       EXPECT_GE(median_[i], least[i]) << name << ", " << kNear[i] << " voxels";
     }

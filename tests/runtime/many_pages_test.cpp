@@ -54,7 +54,8 @@ Bytes onePagePerBrick(std::uint32_t side) {
     const std::uint32_t n = side >> level, count = n * n * n;
     std::vector<glm::ivec3> places(count);
     for (std::uint32_t cell = 0; cell < count; ++cell) places[cell] = voxelAt(glm::ivec3(n), cell);
-    std::ranges::sort(places, {}, [](const glm::ivec3& place) { return mortonCode(place); });
+    std::sort(places.begin(), places.end(),
+              [](const glm::ivec3& a, const glm::ivec3& b) { return mortonCode(a) < mortonCode(b); });
     test::PackSurgeon::Chunk all = grid, pages = bricks;
     all.level = pages.level = level;
     all.content.assign(count, std::byte{128});

@@ -165,7 +165,7 @@ TEST_F(Resolutions, GiveTheSameOutlineWithinAVoxel) {
     const Instance a{coarse_.asset.get(), &coarse_poses_[i], to_world_},
         b{fine_.asset.get(), &fine_poses_[i], to_world_};
     const std::vector<float> of_a = distancesOf(a), of_b = distancesOf(b);
-    EXPECT_GT(std::ranges::count_if(of_a, [](float t) { return t < HUGE_VALF; }), 5000);
+    EXPECT_GT(std::count_if(of_a.begin(), of_a.end(), [](float t) { return t < HUGE_VALF; }), 5000);
     EXPECT_EQ(strangers(of_a, of_b, apart), 0);
     EXPECT_EQ(strangers(of_b, of_a, apart), 0);
     EXPECT_GT(strangers(of_a, at_rest, apart), 1000) << "the pose moves it";

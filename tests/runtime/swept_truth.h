@@ -61,7 +61,8 @@ class SweptTruth : public SolidTruth {
         if (const double d2 = cuts_[i].squared(layers_, p, best); d2 < best) best = d2, nearest = &cuts_[i];
     };
     const auto toBall = [&p](const Slice& slice) { return glm::distance(p, slice.middle) - slice.radius; };
-    search(*std::ranges::min_element(slices_, {}, toBall));
+    search(*std::min_element(slices_.begin(), slices_.end(),
+                             [&](const Slice& a, const Slice& b) { return toBall(a) < toBall(b); }));
     for (const Slice& slice : slices_)
       if (const double least = toBall(slice); least < 0 || least * least < best) search(slice);
     if (!nearest) return glm::dvec3(0);

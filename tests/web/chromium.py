@@ -14,11 +14,14 @@ FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu-sandbox", "--use-angle
          "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--no-first-run", "--hide-scrollbars",
          "--enable-precise-memory-info", "--js-flags=--expose-gc", "--remote-debugging-pipe"]
 
+CODES = {"Tab": 9, "Enter": 13, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40}
+
 
 class Chromium:
     name = "chromium"
 
     def __init__(self, size=(960, 640), flags=(), program=None):
+        self.size = size
         self.profile = tempfile.mkdtemp(prefix="kelp_chromium_")
         to_browser, self.to = os.pipe()
         self.back, from_browser = os.pipe()
@@ -107,10 +110,34 @@ class Chromium:
     def release(self, x, y):
         self.call("Input.dispatchMouseEvent", type="mouseReleased", x=x, y=y, button="left", clickCount=1)
 
-    def key(self, key):
+    def key(self, key, shift=False):
+        text = {"Enter": "\r"}.get(key, key if len(key) == 1 else "")
         for kind in ("keyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, key=key,
-                      **({"text": key} if len(key) == 1 and kind == "keyDown" else {}))
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, modifiers=8 * shift,
+                      windowsVirtualKeyCode=CODES.get(key, 0), **({"text": text} if text and kind == "keyDown"
+                                                                  else {}))
+
+    def touch(self, *paths, hold=False):
+        """One finger along each path, all at once."""
+        for i, places in enumerate(zip(*paths)):
+            self.call("Input.dispatchTouchEvent", type="touchMove" if i else "touchStart",
+                      touchPoints=[{"x": x, "y": y, "id": finger} for finger, (x, y) in enumerate(places)])
+        if not hold:
+            self.lift()
+
+    def lift(self):
+        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
+    def phone(self, theme):
+        """A page of 390 x 844 pixels, dark or light."""
+        self.resize(390, 844, 1, mobile=True)
+        self.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
+        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
+
+    def desktop(self):
+        self.call("Emulation.setTouchEmulationEnabled", enabled=False)
+        self.call("Emulation.setEmulatedMedia", features=[])
+        self.resize(*self.size)
 
     def files(self, selector, paths):
         root = self.call("DOM.getDocument")["root"]["nodeId"]

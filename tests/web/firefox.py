@@ -15,8 +15,13 @@ PREFERENCES = {
     "datareporting.policy.dataSubmissionEnabled": False, "app.update.enabled": False,
     "browser.shell.checkDefaultBrowser": False, "toolkit.telemetry.enabled": False,
     "network.captive-portal-service.enabled": False, "network.connectivity-service.enabled": False,
-    "dom.min_background_timeout_value": 4, "ui.prefersReducedMotion": 0, "layout.css.devPixelsPerPx": "1.0",
+    "dom.min_background_timeout_value": 4, "dom.w3c_touch_events.enabled": 1,
+    "ui.prefersReducedMotion": 0, "layout.css.devPixelsPerPx": "1.0",
 }
+
+KEYS = {"ArrowLeft": "\ue012", "ArrowUp": "\ue013", "ArrowRight": "\ue014", "ArrowDown": "\ue015",
+        "Tab": "\ue004", "Enter": "\ue007"}
+THEME = "layout.css.prefers-color-scheme.content-override"
 
 
 def free_port():
@@ -29,13 +34,14 @@ class Firefox:
     name = "firefox"
 
     def __init__(self, size=(960, 640)):
+        self.size = size
         self.profile, port = tempfile.mkdtemp(prefix="kelp_firefox_"), free_port()
         with open(self.profile + "/user.js", "w", encoding="ascii") as file:
             for key, value in {**PREFERENCES, "marionette.port": port}.items():
                 file.write(f"user_pref({json.dumps(key)}, {json.dumps(value)});\n")
         self.process = subprocess.Popen(
             ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", shutil.which("firefox-esr"), "--marionette",
-             "--no-remote", "--profile", self.profile],
+             "--remote-allow-system-access", "--no-remote", "--profile", self.profile],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
         self.socket, self.number, self.received, self.events = self._connect(port), 0, b"", []
         self._message()  # says who it is
@@ -99,11 +105,9 @@ class Firefox:
 
     def mouse(self, points, pressed=True, hold=False):
         """Moves along the points, in CSS pixels of the page; pressed from the first to the last."""
-        def move(point):
-            return {"type": "pointerMove", "x": round(point[0]), "y": round(point[1]), "duration": 20}
-        steps = [move(points[0]), *([{"type": "pointerDown", "button": 0}] if pressed else []),
-                 *map(move, points[1:]), *([{"type": "pointerUp", "button": 0}] if pressed
-                                           and not hold else [])]
+        steps = [self._move(points[0]), *([{"type": "pointerDown", "button": 0}] if pressed else []),
+                 *map(self._move, points[1:]), *([{"type": "pointerUp", "button": 0}] if pressed
+                                                 and not hold else [])]
         self._act({"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"},
                    "actions": steps})
 
@@ -111,13 +115,49 @@ class Firefox:
         self._act({"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"},
                    "actions": [{"type": "pointerUp", "button": 0}]})
 
-    def key(self, key):
-        key = {"ArrowLeft": "\ue012", "ArrowRight": "\ue014", "ArrowUp": "\ue013"}.get(key, key)
-        self._act({"type": "key", "id": "keys",
-                   "actions": [{"type": "keyDown", "value": key}, {"type": "keyUp", "value": key}]})
+    def key(self, key, shift=False):
+        keys = ["\ue008"] * shift + [KEYS.get(key, key)]
+        self._act({"type": "key", "id": "keys", "actions": [
+            *({"type": "keyDown", "value": key} for key in keys),
+            *({"type": "keyUp", "value": key} for key in reversed(keys))]})
 
-    def _act(self, action):
-        self.call("WebDriver:PerformActions", actions=[action])
+    def touch(self, *paths, hold=False):
+        """One finger along each path, all at once."""
+        def steps(path):
+            return [self._move(path[0]), {"type": "pointerDown", "button": 0}, *map(self._move, path[1:]),
+                    *([] if hold else [{"type": "pointerUp", "button": 0}])]
+        self._act(*({"type": "pointer", "id": f"finger {i}", "parameters": {"pointerType": "touch"},
+                     "actions": steps(path)} for i, path in enumerate(paths)))
+
+    def lift(self):
+        self.call("WebDriver:ReleaseActions")
+
+    @staticmethod
+    def _move(point):
+        return {"type": "pointerMove", "x": round(point[0]), "y": round(point[1]), "duration": 20}
+
+    def _act(self, *actions):
+        self.call("WebDriver:PerformActions", actions=list(actions))
+
+    def _in_window(self, script, *words):
+        """Runs it in the browser's window, around the page."""
+        self.call("Marionette:SetContext", value="chrome")
+        try:
+            self.call("WebDriver:ExecuteScript", script=script, args=list(words))
+        finally:
+            self.call("Marionette:SetContext", value="content")
+
+    def phone(self, theme):
+        """A page of 390 x 844 pixels, dark or light."""
+        self.call("WebDriver:SetWindowRect", width=1000, height=1000)
+        self._in_window("Services.prefs.setIntPref(arguments[0], arguments[1]);"
+                        "Object.assign(gBrowser.selectedBrowser.style, {flex: 'none', width: '390px', "
+                        "height: '844px'})", THEME, ("dark", "light").index(theme))
+
+    def desktop(self):
+        self._in_window("Services.prefs.clearUserPref(arguments[0]);"
+                        "gBrowser.selectedBrowser.removeAttribute('style')", THEME)
+        self.call("WebDriver:SetWindowRect", width=self.size[0], height=self.size[1])
 
     def close(self):
         try:

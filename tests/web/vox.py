@@ -35,3 +35,26 @@ def liar():
     """Claims four thousand million voxels."""
     return vox((1 << 31, 1 << 31, 1 << 31), [(0, 0, 0, 1)])[:-4].replace(
         struct.pack("<I", 1) + bytes((0, 0, 0)), struct.pack("<I", 0xffffffff) + bytes((0, 0, 0)))
+
+
+def text(*words):
+    """A dictionary, of keys and values in turn."""
+    pairs = b"".join(struct.pack("<I", len(word)) + word.encode() for word in words)
+    return struct.pack("<I", len(words) // 2) + pairs
+
+
+def apart(distance):
+    """Two cubes of 4 voxels, so far apart along each axis; some 600 bytes."""
+    cube = [(x, y, z, 1) for x in range(4) for y in range(4) for z in range(4)]
+    body = chunk(b"SIZE", struct.pack("<III", 4, 4, 4))
+    body += chunk(b"XYZI", struct.pack("<I", len(cube)) + b"".join(bytes(v) for v in cube))
+
+    def shift(node, child, *frame):
+        return chunk(b"nTRN", struct.pack("<I", node) + text() + struct.pack("<IiiI", child, -1, 0, 1)
+                     + text(*frame))
+
+    def shape(node):
+        return chunk(b"nSHP", struct.pack("<I", node) + text() + struct.pack("<II", 1, 0) + text())
+    body += shift(0, 1) + chunk(b"nGRP", struct.pack("<I", 1) + text() + struct.pack("<III", 2, 2, 4))
+    body += shift(2, 3) + shape(3) + shift(4, 5, "_t", f"{distance} {distance} {distance}") + shape(5)
+    return b"VOX " + struct.pack("<I", 150) + chunk(b"MAIN", b"", body)

@@ -18,7 +18,8 @@ constexpr char kDesktopPrelude[] = "#version 330 core\n";
 constexpr char kEsPrelude[] = "#version 300 es\n" KELP_ES_PRECISIONS;
 
 constexpr char kRaysDefine[] = "#define KELP_SECONDARY_RAYS\n",
-               kDistancesDefine[] = "#define KELP_DISTANCES\n";
+               kDistancesDefine[] = "#define KELP_DISTANCES\n",
+               kGradientDefine[] = "#define KELP_GRADIENT_ONLY\n";
 
 // Compilers name a place as STRING:LINE. These are the numbers of the strings, which runtime/gl/README.md
 // lists for the host.
@@ -97,6 +98,7 @@ TraceStrings traceStrings(const Api& api, LookDefines defines) {
   return {api.es ? KELP_ES_PRECISIONS : "",
           defines.rays ? kRaysDefine : "",
           defines.distances ? kDistancesDefine : "",
+          defines.shadings ? "" : kGradientDefine,
           shaders::kInstance,
           shaders::kSpline,
           shaders::kCurve,
@@ -159,7 +161,7 @@ Result<Program> buildProgram(const Api& api, const char* surface, LookDefines de
   const char* const vertex_text[] = {prelude,         look, kInstanceLine, shaders::kInstance, kMainLine,
                                      shaders::kVertex};
   const char* const fragment_text[] = {
-      prelude, look,
+      prelude, look, defines.shadings ? "" : kGradientDefine,
       // Parts of either kind shade each other.
       defines.distances      ? kDistancesDefine
       : bend == Bend::kSweep ? kSweptDefine

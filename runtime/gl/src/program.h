@@ -30,6 +30,7 @@ struct Program {
 struct LookDefines {
   bool rays = false;       // Config::secondary_rays
   bool distances = false;  // Config::distances
+  bool shadings = true;    // Config::all_shadings
 };
 
 // Compiles, links and binds the program, and sets the units of its samplers. `surface`: the host's
@@ -40,7 +41,7 @@ Result<Program> buildProgram(const Api& api, const char* surface, LookDefines de
 Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const LogSink& log);
 
 // The text of kelp::gl::Renderer::traceGlsl().
-using TraceStrings = std::array<const char*, 14>;
+using TraceStrings = std::array<const char*, 15>;
 TraceStrings traceStrings(const Api& api, LookDefines defines);
 
 // The uniforms of a host's program that contains that text; -1: it does not use them.

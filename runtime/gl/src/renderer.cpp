@@ -66,7 +66,7 @@ struct Renderer::Impl {
         restore(config.state == State::kRestore),
         look_is_plain(!config.surface_glsl && !config.secondary_rays),
         surface(config.allocator),
-        defines{config.secondary_rays, config.distances},
+        defines{config.secondary_rays, config.distances, config.all_shadings},
         store(config.allocator, config.distances),
         list(config.allocator, log),
         traced(config.allocator, log) {}
@@ -91,6 +91,9 @@ struct Renderer::Impl {
   DrawList traced;  // of the last bindTrace()
   TraceStrings trace_strings{};
 
+  Result<void> check(const View& view) const {
+    return checkView(view, look_is_plain, defines.distances, defines.shadings);
+  }
   void setState(const Program& used, const View& view, Pass pass, Name scene_depth) const;
   Result<void> prepare(std::span<const Part> parts);
   std::uint32_t drawBatches(const Program& used, std::uint32_t begin, std::uint32_t end,
@@ -266,7 +269,7 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
 Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance> instances, Pass pass) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
-  if (auto good = checkView(view, self.look_is_plain, self.defines.distances); !good) return good.error();
+  if (auto good = self.check(view); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;
@@ -325,7 +328,7 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view,
   if (!linked) return Error{ErrorCode::kMisuse, "`program` is not a linked program of this context"};
   if (first_unit < 0 || first_unit > api.max_texture_units - 2)
     return Error{ErrorCode::kMisuse, "first_unit or the next is not a texture unit of this context"};
-  if (auto good = checkView(view, self.look_is_plain, self.defines.distances); !good) return good.error();
+  if (auto good = self.check(view); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;

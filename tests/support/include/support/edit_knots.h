@@ -16,13 +16,15 @@ class EditedKnots {
  public:
   EditedKnots(runtime::Pose& pose, int part, float height)
       : pose_(pose), part_(part), height_(height), count_(pose.knots(part).size()) {
-    std::ranges::copy(pose.knots(part), knots_.begin());
+    const std::span<const Knot> knots = pose.knots(part);
+    std::copy(knots.begin(), knots.end(), knots_.begin());
     for (Knot& knot : *this) knot.position *= height, knot.tangent *= height;
     before_ = knots_;
   }
   ~EditedKnots() {
     std::array<Knot, kMaxKnots> after;
-    std::ranges::copy(pose_.knots(part_), after.begin());
+    const std::span<const Knot> knots = pose_.knots(part_);
+    std::copy(knots.begin(), knots.end(), after.begin());
     for (std::size_t i = 0; i < count_; ++i) {
       for (int axis = 0; axis < 3; ++axis) {
         // What was not changed keeps its bits.
