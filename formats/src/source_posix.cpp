@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <limits>
 
 #include "file_source.h"
 
@@ -29,6 +30,8 @@ Result<OpenFile> openFile(const char* path) {
 }
 
 bool readFile(const OpenFile& file, std::uint64_t offset, std::span<std::byte> bytes) {
+  // Not every system refuses an offset that is negative as off_t: node reads from where it is.
+  if (offset > std::uint64_t{std::numeric_limits<off_t>::max()}) return bytes.empty();
   while (!bytes.empty()) {
     const ssize_t got =
         ::pread(static_cast<int>(file.handle), bytes.data(), bytes.size(), static_cast<off_t>(offset));

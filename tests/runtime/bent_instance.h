@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <random>
 #include <vector>
@@ -73,13 +75,27 @@ class BentInstance {
   BentInstance(const BentInstance&) = delete;
   BentInstance& operator=(const BentInstance&) = delete;
 
-  double unit() { return std::uniform_real_distribution<double>(0, 1)(random_); }
+  // As libstdc++'s distributions, z first. Other libraries and compilers would draw other points.
+  double unit() {
+    const double low = random_(), high = random_();
+    return std::min((low + 4294967296.0 * high) / 18446744073709551616.0, std::nextafter(1.0, 0.0));
+  }
   glm::dvec3 direction() {
-    std::normal_distribution<double> normal;
-    return glm::normalize(glm::dvec3(normal(random_), normal(random_), normal(random_)));
+    glm::dvec4 normal;
+    for (int i = 3; i > 0; i -= 2) {  // Marsaglia's polar method: two at a time
+      double x = 0, y = 0, r2 = 0;
+      do {
+        x = 2 * unit() - 1, y = 2 * unit() - 1;
+        r2 = x * x + y * y;
+      } while (r2 > 1 || r2 == 0);
+      const double scale = std::sqrt(-2 * std::log(r2) / r2);
+      normal[i] = y * scale, normal[i - 1] = x * scale;
+    }
+    return glm::normalize(glm::dvec3(normal.y, normal.z, normal.w));
   }
   glm::vec3 anywhere() {
-    const glm::dvec3 p = glm::mix(low_ - 20.0, high_ + 20.0, glm::dvec3(unit(), unit(), unit()));
+    const double z = unit(), y = unit(), x = unit();
+    const glm::dvec3 p = glm::mix(low_ - 20.0, high_ + 20.0, glm::dvec3(x, y, z));
     return glm::vec3(to_world_ * glm::dvec4(p, 1));
   }
   // A point about e^-3 to e^`most` voxels beside the solid.

@@ -13,6 +13,7 @@
 #include "kelp/runtime/instance.h"
 #include "kelp/streaming/page_access.h"
 #include "loaded.h"
+#include "support/all_tests.h"
 
 namespace kelp::runtime {
 namespace {
@@ -158,7 +159,8 @@ TEST(WaitingSource, WhatIsThereGoesOn) {
   EXPECT_TRUE(PageAccess::pin(*waiting, 0, 0, last, 1)) << "far from the page that waits";
   EXPECT_FALSE(PageAccess::pin(*waiting, 0, 0, 0, 1)) << "below it";
 
-  for (int repeat = 0; repeat < 20; ++repeat) {  // no thread takes what it did not get for loaded
+  // No thread takes what it did not get for loaded.
+  for (int repeat = 0; test::kThreads && repeat < 20; ++repeat) {
     std::vector<std::thread> loaders;
     for (int i = 0; i < 3; ++i)
       loaders.emplace_back([&] {

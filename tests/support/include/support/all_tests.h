@@ -16,6 +16,11 @@ constexpr bool kSanitized = __has_feature(address_sanitizer) || __has_feature(th
 #else
 constexpr bool kSanitized = false;
 #endif
+#ifdef __EMSCRIPTEN__
+constexpr bool kThreads = false;  // tests cannot start any
+#else
+constexpr bool kThreads = true;
+#endif
 constexpr int shareOf(int cases) { return kSanitized ? (cases + 5) / 6 : cases; }
 
 }  // namespace kelp::test

@@ -81,8 +81,16 @@ class RandomPack {
   }
 
  private:
-  int between(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
-  float unit() { return std::uniform_real_distribution<float>(0.0f, 1.0f)(random_); }
+  // As libstdc++'s distributions; those of other libraries draw other numbers, and so other packs.
+  int between(int low, int high) {
+    const std::uint32_t range = static_cast<std::uint32_t>(high - low) + 1, least = (0 - range) % range;
+    std::uint64_t product = 0;
+    do {
+      product = std::uint64_t{random_()} * range;
+    } while (static_cast<std::uint32_t>(product) < least);
+    return low + static_cast<int>(product >> 32);
+  }
+  float unit() { return std::min(static_cast<float>(random_()) / 4294967296.0f, std::nextafter(1.0f, 0.0f)); }
   glm::vec3 vector(float reach) {
     return {reach * (2 * unit() - 1), reach * (2 * unit() - 1), reach * (2 * unit() - 1)};
   }
