@@ -75,28 +75,18 @@ class BentInstance {
   BentInstance(const BentInstance&) = delete;
   BentInstance& operator=(const BentInstance&) = delete;
 
-  // As libstdc++'s distributions, z first. Other libraries and compilers would draw other points.
-  double unit() {
-    const double low = random_(), high = random_();
-    return std::min((low + 4294967296.0 * high) / 18446744073709551616.0, std::nextafter(1.0, 0.0));
-  }
+  // Of our own, as libraries' distributions draw other points from the same seed. In braces: from left to
+  // right.
+  double unit() { return static_cast<double>(random_()) / 4294967296.0; }
   glm::dvec3 direction() {
-    glm::dvec4 normal;
-    for (int i = 3; i > 0; i -= 2) {  // Marsaglia's polar method: two at a time
-      double x = 0, y = 0, r2 = 0;
-      do {
-        x = 2 * unit() - 1, y = 2 * unit() - 1;
-        r2 = x * x + y * y;
-      } while (r2 > 1 || r2 == 0);
-      const double scale = std::sqrt(-2 * std::log(r2) / r2);
-      normal[i] = y * scale, normal[i - 1] = x * scale;
+    while (true) {
+      const glm::dvec3 p = 2.0 * glm::dvec3{unit(), unit(), unit()} - 1.0;
+      if (const double squared = glm::dot(p, p); squared > 0 && squared <= 1) return p / std::sqrt(squared);
     }
-    return glm::normalize(glm::dvec3(normal.y, normal.z, normal.w));
   }
   glm::vec3 anywhere() {
-    const double z = unit(), y = unit(), x = unit();
-    const glm::dvec3 p = glm::mix(low_ - 20.0, high_ + 20.0, glm::dvec3(x, y, z));
-    return glm::vec3(to_world_ * glm::dvec4(p, 1));
+    const glm::dvec3 share{unit(), unit(), unit()};
+    return glm::vec3(to_world_ * glm::dvec4(glm::mix(low_ - 20.0, high_ + 20.0, share), 1));
   }
   // A point about e^-3 to e^`most` voxels beside the solid.
   glm::vec3 beside(double most = 4) {
