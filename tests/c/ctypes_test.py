@@ -59,7 +59,8 @@ Log = CFUNCTYPE(None, c_void_p, c_char_p)
 class Config(Structure):
     _fields_ = [("struct_size", c_uint32), ("state", c_int32), ("get_proc_address", GetProcAddress),
                 ("log", Log), ("user", c_void_p), ("gpu_budget", c_uint64), ("surface_glsl", c_char_p),
-                ("allocator", c_void_p), ("secondary_rays", c_uint32), ("distances", c_uint32)]
+                ("allocator", c_void_p), ("secondary_rays", c_uint32), ("distances", c_uint32),
+                ("gradient_only", c_uint32)]
 
 
 class View(Structure):

@@ -37,7 +37,7 @@ class CDraw : public GlTest {
     GlTest::SetUp();
     if (!IsSkipped()) canvas_.emplace(kSize);
   }
-  kelp_renderer make(bool all = false) {
+  kelp_renderer make(bool all = false, bool gradient_only = false) {
     auto config = sized<kelp_renderer_config>();
     EXPECT_KELP(KELP_OK, kelp_renderer_config_defaults(&config));
     EXPECT_EQ(gl::Config{}.gpu_budget, config.gpu_budget);
@@ -45,6 +45,7 @@ class CDraw : public GlTest {
     config.get_proc_address = EglContext::getProcAddress;
     config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
     config.secondary_rays = config.distances = all;
+    config.gradient_only = gradient_only;
     kelp_renderer out = {};
     EXPECT_KELP(KELP_OK, kelp_renderer_create(&config, &out));
     return out;
@@ -346,7 +347,7 @@ TEST_P(CDraw, AnInstanceThatCannotBeDrawnIsLeftOut) {
 TEST_P(CDraw, MistakesAreErrors) {
   const BothAssets assets(packFile("distance"));
   const BothInstances instances(assets);
-  const kelp_renderer renderer = make();
+  const kelp_renderer renderer = make(false, true);
   ASSERT_KELP(kelp_renderer_add(renderer, assets.c));
   kelp_view view = viewOf(look());
   const auto draw = [&](kelp_pass pass = KELP_PASS_COLOUR) {
@@ -354,6 +355,9 @@ TEST_P(CDraw, MistakesAreErrors) {
   };
   EXPECT_KELP(KELP_ERROR_MISUSE, draw(3));
   EXPECT_KELP(KELP_ERROR_MISUSE, draw(-1));
+  view.shading = KELP_SHADING_SMOOTH;
+  EXPECT_KELP(KELP_ERROR_MISUSE, draw()) << "it is left out";
+  view.shading = KELP_SHADING_GRADIENT;
   for (std::int32_t kelp_view::*const field :
        {&kelp_view::shading, &kelp_view::output, &kelp_view::clip_range, &kelp_view::depth_batches}) {
     for (const std::int32_t bad : {-1, 77, 255, 256, 512}) {

@@ -218,7 +218,7 @@ TEST_P(MisuseTest, OfShadingsThatAreLeftOut) {
   canvas.clear();
   ASSERT_TRUE(whole->draw(view, {&instance_, 1}));
   const std::vector<Pixel> expected = canvas.pixels();
-  config.all_shadings = false;
+  config.gradient_only = true;
   const auto smaller = makeRenderer(*loaded_.asset, nullptr, config);
   canvas.clear();
   ASSERT_TRUE(smaller->draw(view, {&instance_, 1}));

@@ -66,6 +66,7 @@ kelp_result kelp_renderer_config_defaults(kelp_renderer_config* config) {
   out.gpu_budget = defaults.gpu_budget;
   out.secondary_rays = defaults.secondary_rays;
   out.distances = defaults.distances;
+  out.gradient_only = defaults.gradient_only;
   return writeStruct(out, config);
 }
 
@@ -85,6 +86,7 @@ kelp_result kelp_renderer_create(const kelp_renderer_config* config, kelp_render
   to.surface_glsl = read.surface_glsl;
   to.secondary_rays = read.secondary_rays != 0;
   to.distances = read.distances != 0;
+  to.gradient_only = read.gradient_only != 0;
   to.log = read.log;
   auto* const object = makeObject<RendererObject>(to.allocator);
   if (!object) return noMemory();

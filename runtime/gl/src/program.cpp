@@ -98,7 +98,7 @@ TraceStrings traceStrings(const Api& api, LookDefines defines) {
   return {api.es ? KELP_ES_PRECISIONS : "",
           defines.rays ? kRaysDefine : "",
           defines.distances ? kDistancesDefine : "",
-          defines.shadings ? "" : kGradientDefine,
+          defines.gradient ? kGradientDefine : "",
           shaders::kInstance,
           shaders::kSpline,
           shaders::kCurve,
@@ -161,7 +161,7 @@ Result<Program> buildProgram(const Api& api, const char* surface, LookDefines de
   const char* const vertex_text[] = {prelude,         look, kInstanceLine, shaders::kInstance, kMainLine,
                                      shaders::kVertex};
   const char* const fragment_text[] = {
-      prelude, look, defines.shadings ? "" : kGradientDefine,
+      prelude, look, defines.gradient ? kGradientDefine : "",
       // Parts of either kind shade each other.
       defines.distances      ? kDistancesDefine
       : bend == Bend::kSweep ? kSweptDefine

@@ -30,7 +30,7 @@ struct Program {
 struct LookDefines {
   bool rays = false;       // Config::secondary_rays
   bool distances = false;  // Config::distances
-  bool shadings = true;    // Config::all_shadings
+  bool gradient = false;   // Config::gradient_only
 };
 
 // Compiles, links and binds the program, and sets the units of its samplers. `surface`: the host's

@@ -66,7 +66,7 @@ struct Renderer::Impl {
         restore(config.state == State::kRestore),
         look_is_plain(!config.surface_glsl && !config.secondary_rays),
         surface(config.allocator),
-        defines{config.secondary_rays, config.distances, config.all_shadings},
+        defines{config.secondary_rays, config.distances, config.gradient_only},
         store(config.allocator, config.distances),
         list(config.allocator, log),
         traced(config.allocator, log) {}
@@ -92,7 +92,7 @@ struct Renderer::Impl {
   TraceStrings trace_strings{};
 
   Result<void> check(const View& view) const {
-    return checkView(view, look_is_plain, defines.distances, defines.shadings);
+    return checkView(view, look_is_plain, defines.distances, defines.gradient);
   }
   void setState(const Program& used, const View& view, Pass pass, Name scene_depth) const;
   Result<void> prepare(std::span<const Part> parts);

@@ -25,7 +25,7 @@ bool isGood(const Quality& quality) {
 
 }  // namespace
 
-Result<void> checkView(const View& view, bool look_is_plain, bool distances, bool shadings) {
+Result<void> checkView(const View& view, bool look_is_plain, bool distances, bool gradient_only) {
   const Camera& camera = view.camera;
   if (camera.viewport.x < 0 || camera.viewport.y < 0 || camera.clip_range > ClipRange::kZeroToOne ||
       view.output > Output::kDisplay)
@@ -40,13 +40,13 @@ Result<void> checkView(const View& view, bool look_is_plain, bool distances, boo
     return Error{ErrorCode::kMisuse, "soft_shadows and occlusion need Config::distances"};
   if (look_is_plain && (view.quality.self_shadow || view.quality.occlusion_rays > 0))
     return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays need Config::secondary_rays"};
-  if (!shadings && view.quality.shading != Shading::kGradient)
-    return Error{ErrorCode::kMisuse, "kFaces and kSmooth need Config::all_shadings"};
+  if (gradient_only && view.quality.shading != Shading::kGradient)
+    return Error{ErrorCode::kMisuse, "Config::gradient_only leaves kFaces and kSmooth out"};
   return {};
 }
 
 int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel) {
-  if (!checkView(view, false, true, true) || !hasPixels(view)) return -1;
+  if (!checkView(view, false, true, false) || !hasPixels(view)) return -1;
   const auto projection = makeProjection(view);
   if (!projection || !instance.asset || part < 0 ||
       static_cast<std::size_t>(part) >= instance.asset->pack().parts().size())

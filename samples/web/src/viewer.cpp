@@ -51,7 +51,7 @@ bool Viewer::start() {
   config.getProcAddress = [](void*, const char* name) { return emscripten_webgl_get_proc_address(name); };
   config.gpu_budget = gpu_bytes_;
   config.state = gl::State::kLeave;
-  config.all_shadings = false;  // the first picture comes sooner
+  config.gradient_only = true;  // the first picture comes sooner
   config.user = this;
   config.log = [](void*, const char* text) { emscripten_log(EM_LOG_CONSOLE, "%s", text); };
   auto renderer = gl::Renderer::create(config);

@@ -33,6 +33,7 @@ typedef struct kelp_renderer_config {
   const kelp_allocator* allocator;  // copied. Null: malloc and free
   kelp_bool secondary_rays;         // compile in what kelp_view.self_shadow and .occlusion_rays need
   kelp_bool distances;              // upload distances, for kelp_view.soft_shadows and .occlusion
+  kelp_bool gradient_only;          // leave the other shadings out of the program, which is sooner compiled
 } kelp_renderer_config;
 KELP_API kelp_result kelp_renderer_config_defaults(kelp_renderer_config* config);
 

@@ -42,10 +42,9 @@ struct Config {
   // shaders. They come from assets that load them (runtime::Options::distance_level), and take part of
   // gpu_budget.
   bool distances = false;
-  // Whether views may ask for Shading::kFaces and kSmooth. Without them the program is smaller, and sooner
-  // compiled: by SwiftShader, which browsers draw with where there is no graphics card, in two thirds of the
-  // time.
-  bool all_shadings = true;
+  // Leaves Shading::kFaces and kSmooth out of the program, which is sooner compiled: by SwiftShader, which
+  // browsers draw with where there is no graphics card, in two thirds of the time.
+  bool gradient_only = false;
   // Gets the messages of the GLSL compiler or linker when they make create() or add() fail
   // (runtime/gl/README.md explains STRING:LINE in them), and once for each asset why an instance of it was
   // left out (Stats::left_out). `text` is valid during the call only. Null: no callback.
@@ -103,7 +102,7 @@ struct Light {
 
 // What a picture may cost.
 struct Quality {
-  Shading shading = Shading::kGradient;  // another one is kMisuse without Config::all_shadings
+  Shading shading = Shading::kGradient;  // another one is kMisuse with Config::gradient_only
   int finest_level = 0;                  // no finer level is drawn; as `level` of runtime::raycast
   // Levels are chosen so that a voxel covers about this many pixels where a part is nearest. 0: always the
   // finest level. Between two levels some pixels draw the one and some the other, so that no switch is seen.
