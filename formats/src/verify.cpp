@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <optional>
 #include <utility>
 
 #include "checksum.h"
@@ -12,6 +14,7 @@
 #include "layout.h"
 #include "metadata.h"
 #include "voxels.h"
+#include "worker_threads.h"
 
 namespace kelp {
 namespace {
@@ -21,8 +24,13 @@ using ChunkInfo = Pack::ChunkInfo;
 class Verifier {
  public:
   Verifier(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue),
-           void* user, const Allocator& allocator)
-      : source_(source), limits_(limits), report_(report), user_(user), allocator_(allocator) {}
+           void* user, const Allocator& allocator, int threads)
+      : source_(source),
+        limits_(limits),
+        report_(report),
+        user_(user),
+        allocator_(allocator),
+        threads_(threads) {}
 
   std::uint64_t run() {
     if (const Result<void> read = readContainer(source_, limits_, allocator_, container_); !read) {
@@ -228,12 +236,44 @@ class Verifier {
     distances_ = *std::move(grid);
   }
 
-  void checkDistances() {
-    for (std::size_t i = 0; i < distances_.pages.size(); ++i) {
-      const Result<void> decoded =
-          decodeDistancePage(source_, levelOf(distances_), distances_.pages[i], distance_page_);
-      if (!decoded) issue(IssueId::kDistances, decoded.error(), static_cast<std::int64_t>(i));
+  // Calls check(page, i) for the pages of a level on all threads, each with a Page of its own, then tell(i,
+  // error) for those that are wrong, in their order.
+  template <class Page, class Check, class Tell>
+  void checkPages(std::size_t count, const Check& check, const Tell& tell) {
+    constexpr std::size_t kAtOnce = 256;
+    for (std::size_t first = 0; first < count; first += kAtOnce) {
+      struct Batch {
+        const Check& check;
+        const Allocator& allocator;
+        std::size_t first, end;
+        std::atomic<std::size_t> next;
+        std::array<std::optional<Error>, kAtOnce> wrong{};
+      } batch{check, allocator_, first, std::min(count, first + kAtOnce), first};
+      runOnThreads(
+          static_cast<int>(std::min(static_cast<std::size_t>(threads_), batch.end - first)),
+          [](void* user) {
+            Batch& its = *static_cast<Batch*>(user);
+            Page page(its.allocator);
+            for (std::size_t i = its.next++; i < its.end; i = its.next++)
+              if (const Result<void> checked = its.check(page, i); !checked)
+                its.wrong[i - its.first] = checked.error();
+          },
+          &batch);
+      for (std::size_t i = first; i < batch.end; ++i)
+        if (batch.wrong[i - first]) tell(i, *batch.wrong[i - first]);
     }
+  }
+
+  void checkDistances() {
+    const DistanceLevel level = levelOf(distances_);
+    checkPages<DistancePage>(
+        distances_.pages.size(),
+        [&](DistancePage& page, std::size_t i) {
+          return decodeDistancePage(source_, level, distances_.pages[i], page);
+        },
+        [&](std::size_t i, const Error& error) {
+          issue(IssueId::kDistances, error, static_cast<std::int64_t>(i));
+        });
   }
 
   void checkSolidPages() {
@@ -246,19 +286,22 @@ class Verifier {
     }
     if (!grid_.coarsest && known_.grid.level != level_ + 1)
       return atPage({known_.lost, "the next coarser level cannot be read"}, -1);
-    for (std::size_t i = 0; i < grid_.pages.size(); ++i) {
-      const Result<void> decoded = decodeSolidPage(source_, grid_, i, above, model_.palette.size(), page_);
-      if (decoded) {
-        std::copy(page_.shapes.begin(), page_.shapes.end(), shapes.begin() + page_.first_slot);
-      } else if (decoded.error().code == ErrorCode::kMisuse) {
-        atPage(
-            {known_.lost, "a page of the next coarser level over it cannot be read", grid_.pages[i].offset},
-            static_cast<std::int64_t>(i));
-      } else {
-        known_.lost = decoded.error().code;
-        atPage(decoded.error(), static_cast<std::int64_t>(i));
-      }
-    }
+    checkPages<PageData>(
+        grid_.pages.size(),
+        [&](PageData& page, std::size_t i) {
+          const Result<void> decoded = decodeSolidPage(source_, grid_, i, above, model_.palette.size(), page);
+          if (decoded) std::copy(page.shapes.begin(), page.shapes.end(), shapes.begin() + page.first_slot);
+          return decoded;
+        },
+        [&](std::size_t i, const Error& error) {
+          const auto number = static_cast<std::int64_t>(i);
+          if (error.code == ErrorCode::kMisuse)
+            return atPage({known_.lost, "a page of the next coarser level over it cannot be read",
+                           grid_.pages[i].offset},
+                          number);
+          known_.lost = error.code;
+          atPage(error, number);
+        });
     known_.grid = std::move(grid_);
     known_.shapes = std::move(shapes);
   }
@@ -303,6 +346,7 @@ class Verifier {
   void (*const report_)(void* user, const Issue& issue);
   void* const user_;
   const Allocator& allocator_;
+  const int threads_;
   std::uint64_t errors_ = 0;
   int part_ = -1, level_ = -1;  // of the current chunk
   int knot_ = -1;
@@ -315,14 +359,14 @@ class Verifier {
   KnownLevel known_;
   PageData page_{allocator_};
   DistanceGrid distances_{allocator_};
-  DistancePage distance_page_{allocator_};
   std::array<std::byte, 16384> block_;
 };
 
 }  // namespace
 
 std::uint64_t verify(const Source& source, const Limits& limits,
-                     void (*report)(void* user, const Issue& issue), void* user, const Allocator& allocator) {
+                     void (*report)(void* user, const Issue& issue), void* user, const Allocator& allocator,
+                     int threads) {
   if (!allocator.allocate || !allocator.deallocate) {
     if (report)
       report(
@@ -330,7 +374,7 @@ std::uint64_t verify(const Source& source, const Limits& limits,
           {IssueId::kUnreadable, Severity::kError, {ErrorCode::kMisuse, "the allocator lacks a function"}});
     return 1;
   }
-  return Verifier(source, limits, report, user, allocator).run();
+  return Verifier(source, limits, report, user, allocator, std::max(threads, 1)).run();
 }
 
 const char* toString(IssueId id) {

@@ -52,7 +52,9 @@ TEST(Dilate26, SetsWhatHasASolidNeighbour) {
 }
 
 TEST(SurfaceVoxels, AreSolidWithAnEmptyOrOutsideNeighbour) {
-  for (const NamedVolume& volume : hardVolumes()) {
+  std::vector<NamedVolume> volumes = hardVolumes(), wide = wideVolumes();
+  volumes.insert(volumes.end(), wide.begin(), wide.end());
+  for (const NamedVolume& volume : volumes) {
     std::vector<std::uint64_t> expected;
     const auto surface = volumeWhere(volume.occupancy.size, [&](const glm::ivec3& v) {
       bool open = false;

@@ -52,4 +52,14 @@ std::vector<NamedVolume> hardVolumes() {
   return volumes;
 }
 
+std::vector<NamedVolume> wideVolumes() {
+  std::vector<NamedVolume> volumes;
+  for (const int width : {1, 2, 63, 64, 65, 127, 128, 129, 200}) {
+    for (const double density : {0.02, 0.6, 0.97, 1.0})
+      volumes.push_back({std::to_string(width) + " wide, noise " + std::to_string(density),
+                         randomVolume({width, 11, 9}, density, 4)});
+  }
+  return volumes;
+}
+
 }  // namespace kelp::test

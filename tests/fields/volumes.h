@@ -56,5 +56,7 @@ inline std::string nameOf(const glm::ivec3& size) {
 // Small enough for brute force over all pairs: shapes that break distance transforms, and noise at several
 // densities.
 std::vector<NamedVolume> hardVolumes();
+// Noise whose rows end before, at and after the end of a word of bits.
+std::vector<NamedVolume> wideVolumes();
 
 }  // namespace kelp::test

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
+#include <tuple>
 
 #include "pack_surgeon.h"
 #include "support/random_pack.h"
@@ -18,13 +20,21 @@ using test::Bytes;
 using test::PackSurgeon;
 using test::set;
 
+// The issues, which are the same on any number of threads.
 std::vector<Issue> issuesOf(const Bytes& bytes, const Limits& limits = {}) {
-  std::vector<Issue> issues;
+  std::vector<Issue> issues, on_one;
   MemorySource memory(bytes);
-  const std::uint64_t errors = verify(
-      memory.source(), limits,
-      [](void* user, const Issue& issue) { static_cast<std::vector<Issue>*>(user)->push_back(issue); },
-      &issues);
+  const auto keep = [](void* user, const Issue& issue) {
+    static_cast<std::vector<Issue>*>(user)->push_back(issue);
+  };
+  const std::uint64_t errors = verify(memory.source(), limits, keep, &issues, {}, 3);
+  EXPECT_EQ(verify(memory.source(), limits, keep, &on_one), errors);
+  const auto told = [](const Issue& i) {
+    return std::make_tuple(i.id, i.severity, i.error.code, std::string(i.error.detail), i.error.offset,
+                           i.part, i.level, i.page, i.knot);
+  };
+  EXPECT_TRUE(std::equal(issues.begin(), issues.end(), on_one.begin(), on_one.end(),
+                         [&](const Issue& a, const Issue& b) { return told(a) == told(b); }));
   const auto is_error = [](const Issue& issue) { return issue.severity == Severity::kError; };
   EXPECT_EQ(errors, static_cast<std::uint64_t>(std::count_if(issues.begin(), issues.end(), is_error)));
   for (const Issue& issue : issues) EXPECT_STRNE(toString(issue.id), "Unknown issue.");

@@ -48,15 +48,16 @@ TEST(PointIndex, TellsPointsApartByTheLastBit) {
   EXPECT_EQ(index.of({next, 0, 0}, points), 1u);
 }
 
-// Few vertices, so that edges have many triangles; one that is a corner of all; and many.
+// Few vertices, so that edges have many triangles; one that is a corner of all; and so many that several
+// threads share them.
 TEST(SortedEdges, AreThoseOfTheTrianglesInOrder) {
   std::mt19937 random(2);
-  for (const std::uint32_t vertices : {1u, 4u, 60u, 3000u}) {
+  for (const std::uint32_t vertices : {1u, 4u, 60u, 3000u, 200000u}) {
     for (const bool hub : {false, true}) {
       Topology mesh;
       mesh.lattice.resize(vertices);
       std::uniform_int_distribution<std::uint32_t> any(0, vertices - 1);
-      for (int i = 0; i < 2000; ++i) {
+      for (std::uint32_t i = 0; i < std::max(2000u, vertices / 2); ++i) {
         SolidTriangle t;
         for (std::uint32_t& v : t.vertex) v = any(random);
         if (hub) t.vertex[random() % 3] = vertices / 2;
@@ -74,9 +75,12 @@ TEST(SortedEdges, AreThoseOfTheTrianglesInOrder) {
           }
         }
         std::sort(truth.begin(), truth.end());
-        for (const Edge& e : sortedEdges(mesh, separate))
-          found.emplace_back(e.low, e.high, e.wall, e.triangle, e.side, e.forward);
-        EXPECT_EQ(found, truth) << vertices << " vertices";
+        for (const int threads : {1, 2, 7}) {
+          found.clear();
+          for (const Edge& e : sortedEdges(mesh, separate, threads))
+            found.emplace_back(e.low, e.high, e.wall, e.triangle, e.side, e.forward);
+          EXPECT_TRUE(found == truth) << vertices << " vertices, " << threads << " threads";
+        }
       }
     }
   }

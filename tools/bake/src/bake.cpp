@@ -242,7 +242,7 @@ void voxelizePart(Job& job, std::size_t index, PartNotices& notices) {
   line.name = part.name;
   line.rig_origin = part.rig_origin;
   line.triangles = part.soup.triangles.size();
-  line.mesh = countMesh(part.soup);
+  line.mesh = countMesh(part.soup, job.threads);
   for (const RigDescription::Socket& socket : part.rig.sockets) line.sockets.push_back(socket.name);
   line.parent_at = part.rig.parent_at;
   line.swept = part.rig.bend == Bend::kSweep;

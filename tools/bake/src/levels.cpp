@@ -76,27 +76,42 @@ Attribute parentOf(const std::vector<Attribute>& fine, std::uint64_t index,
   return parent;
 }
 
-// One slice of the coarser level, of two of the finer: its attributes from `begin` to `end`.
+// One slice of the coarser level, of two of the finer, which begin at `starts` and end at the last of these:
+// the children of a row lie in four rows, each in the order of x.
 std::vector<Attribute> coarserSlice(const std::vector<Attribute>& fine, const glm::ivec3& fine_size,
-                                    const glm::ivec3& coarse_size, std::size_t begin, std::size_t end) {
-  struct Child {
-    std::uint64_t parent;
-    std::size_t at;
+                                    const glm::ivec3& coarse_size, int z,
+                                    const std::array<std::size_t, 3>& starts) {
+  struct Row {
+    std::size_t at, end;
+    std::uint64_t first;  // the index of its voxel 0
+    int parent(const std::vector<Attribute>& fine) const {
+      return at == end ? std::numeric_limits<int>::max() : static_cast<int>((fine[at].index - first) / 2);
+    }
   };
-  std::vector<Child> children;
-  children.reserve(end - begin);
-  for (std::size_t i = begin; i < end; ++i)
-    children.push_back({denseIndex(coarse_size, voxelAt(fine_size, fine[i].index) / 2), i});
-  std::sort(children.begin(), children.end(), [](const Child& a, const Child& b) {
-    return a.parent != b.parent ? a.parent < b.parent : a.at < b.at;
-  });
   std::vector<Attribute> coarse;
-  std::array<std::size_t, 8> siblings{};
-  for (std::size_t i = 0; i < children.size();) {
-    const std::uint64_t parent = children[i].parent;
-    std::size_t count = 0;
-    for (; i < children.size() && children[i].parent == parent; ++i) siblings[count++] = children[i].at;
-    coarse.push_back(parentOf(fine, parent, std::span(siblings).first(count)));
+  std::array<std::size_t, 2> next = {starts[0], starts[1]};  // of each fine slice
+  for (int y = 0; y < coarse_size.y; ++y) {
+    std::array<Row, 4> rows;
+    for (std::size_t r = 0; r < 4; ++r) {
+      std::size_t& at = next[r / 2];
+      rows[r].first =
+          denseIndex(fine_size, 0, 2 * y + static_cast<int>(r % 2), 2 * z + static_cast<int>(r / 2));
+      rows[r].at = at;
+      while (at < starts[r / 2 + 1] &&
+             fine[at].index - rows[r].first < static_cast<std::uint64_t>(fine_size.x))
+        ++at;
+      rows[r].end = at;
+    }
+    for (;;) {
+      int x = std::numeric_limits<int>::max();
+      for (const Row& row : rows) x = std::min(x, row.parent(fine));
+      if (x == std::numeric_limits<int>::max()) break;
+      std::array<std::size_t, 8> children{};
+      std::size_t count = 0;
+      for (Row& row : rows)
+        while (row.parent(fine) == x) children[count++] = row.at++;
+      coarse.push_back(parentOf(fine, denseIndex(coarse_size, x, y, z), std::span(children).first(count)));
+    }
   }
   return coarse;
 }
@@ -104,8 +119,8 @@ std::vector<Attribute> coarserSlice(const std::vector<Attribute>& fine, const gl
 std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, const glm::ivec3& fine_size,
                                          const glm::ivec3& coarse_size, int threads) {
   const auto slices = static_cast<std::size_t>(coarse_size.z);
-  const auto firstOf = [&](std::size_t slice) {
-    const std::uint64_t first = denseIndex(fine_size, 0, 0, 2 * static_cast<int>(slice));
+  const auto firstOf = [&](int slice) {
+    const std::uint64_t first = denseIndex(fine_size, 0, 0, slice);
     return static_cast<std::size_t>(
         std::lower_bound(fine.begin(), fine.end(), first,
                          [](const Attribute& a, std::uint64_t index) { return a.index < index; }) -
@@ -113,7 +128,9 @@ std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, con
   };
   std::vector<std::vector<Attribute>> found(slices);
   parallelRanges(slices, 1, threads, [&](std::size_t slice, std::size_t) {
-    found[slice] = coarserSlice(fine, fine_size, coarse_size, firstOf(slice), firstOf(slice + 1));
+    const int z = static_cast<int>(slice);
+    found[slice] = coarserSlice(fine, fine_size, coarse_size, z,
+                                {firstOf(2 * z), firstOf(2 * z + 1), firstOf(2 * z + 2)});
   });
   std::size_t count = 0;
   for (const auto& its : found) count += its.size();
@@ -181,15 +198,15 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
   std::vector<Attribute> attributes = std::move(grid.surface);
 
   std::vector<RawLevel> built;
-  fields::Occupancy occupancy{grid.size, std::move(grid.solid)};
+  fields::SolidBits bits({grid.size, std::move(grid.solid)}, threadCount(threads));
   const int count = levelCount(grid.size, levels);
   for (int level = 0; level < count; ++level) {
     if (progress && !progress("levels", 1 - std::pow(4.0, -level)))
       throw ToolError(Exit::kInterrupted, "interrupted");
     if (level > 0) {
-      fields::Occupancy coarse = fields::coarser(occupancy, threadCount(threads));
-      attributes = coarserAttributes(attributes, occupancy.size, coarse.size, threads);
-      occupancy = std::move(coarse);
+      fields::SolidBits coarse = fields::coarser(bits, threadCount(threads));
+      attributes = coarserAttributes(attributes, bits.size(), coarse.size(), threads);
+      bits = std::move(coarse);
     }
     std::vector<fields::SurfaceVoxel> surface(attributes.size());
     parallelRanges(attributes.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
@@ -203,7 +220,7 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
         attributes[i].normal = normal.decoded;
       }
     });
-    built.push_back(fields::buildLevel(occupancy, surface, threadCount(threads)));
+    built.push_back(fields::buildLevel(bits, surface, threadCount(threads)));
   }
   if (progress && !progress("levels", 1.0)) throw ToolError(Exit::kInterrupted, "interrupted");
   return built;

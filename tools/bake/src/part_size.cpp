@@ -44,7 +44,7 @@ PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& 
                       static_cast<double>(solid));
   }
   if (part.fog) return fogSize(part.fog->size, pad, !part.fog->heat.empty());
-  PartSize result{frame.size, part.soup.triangles.size()};
+  PartSize result{frame.size, part.soup.triangles.size(), part.soup.positions.size()};
   // Volume by the divergence theorem, about the middle of the box: right for closed meshes, and something
   // between for open ones.
   const glm::dmat3 turn(frame.node_to_voxel);

@@ -10,6 +10,7 @@
 #include "info_json.h"
 #include "kelp/common/hash.h"
 #include "kelp/common/json_depth.h"
+#include "kelp/common/parallel.h"
 #include "kelp/formats/pack.h"
 #include "kelp/formats/source.h"
 #include "kelp/formats/verify.h"
@@ -126,7 +127,7 @@ bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::pa
     const std::optional<Recipe> now = recipeNow(said, input, settings);
     return now && now->info == said &&
            verify(
-               source, Limits(), [](void*, const Issue&) {}, nullptr) == 0;
+               source, Limits(), [](void*, const Issue&) {}, nullptr, {}, threadCount(settings.threads)) == 0;
   } catch (const std::exception&) {
     return false;  // a file that cannot be read now: the bake itself will say which, and why
   }

@@ -13,22 +13,36 @@
 
 namespace kelp::fields {
 
-BrickCells buildCells(const SolidBits& bits, std::span<const std::uint8_t> has_surface,
-                      const glm::ivec3& grid, int threads) {
+BrickCells buildCells(const SolidBits& bits, std::span<const std::uint8_t> has_surface, int threads) {
+  const glm::ivec3 grid = brickGrid(bits.size());
   BrickCells out;
   out.cells.resize(checkedVolume(grid));
-  const std::vector<std::uint8_t> clearances = brickClearances(bits, grid, threads);
+  const std::vector<std::uint8_t> clearances = brickClearances(bits, threads);
   parallelFor(grid.z, grainOf(std::int64_t{grid.x} * grid.y * kBrickVoxels), threads,
               [&](std::int64_t begin, std::int64_t end) {
-                glm::ivec3 brick{0};
-                for (brick.z = static_cast<int>(begin); brick.z < end; ++brick.z) {
-                  for (brick.y = 0; brick.y < grid.y; ++brick.y) {
-                    for (brick.x = 0; brick.x < grid.x; ++brick.x) {
-                      const std::size_t i = denseIndex(grid, brick);
+                // Of the 64 rows of a row of bricks, so of each brick's byte of them.
+                std::vector<std::uint64_t> any(static_cast<std::size_t>(bits.words())), all(any.size());
+                for (int z = static_cast<int>(begin); z < end; ++z) {
+                  for (int y = 0; y < grid.y; ++y) {
+                    std::fill(any.begin(), any.end(), std::uint64_t{0});
+                    std::fill(all.begin(), all.end(), ~std::uint64_t{0});
+                    for (int i = 0; i < kBrickSide * kBrickSide; ++i) {
+                      const std::uint64_t* const row =
+                          bits.row(y * kBrickSide + i % kBrickSide, z * kBrickSide + i / kBrickSide);
+                      for (std::size_t word = 0; word < any.size(); ++word) {
+                        any[word] |= row[word];
+                        all[word] &= row[word];
+                      }
+                    }
+                    for (int x = 0; x < grid.x; ++x) {
+                      const std::size_t i = denseIndex(grid, x, y, z), word = static_cast<std::size_t>(x / 8);
+                      const int shift = x % 8 * 8;
                       out.cells[i] =
-                          !bits.holdsSolid(brick) ? std::uint32_t{clearances[i]} << kCellClearanceShift
-                          : !has_surface.empty() && !has_surface[i] && bits.isFull(brick) ? kCellInside
-                                                                                          : kCellSolid;
+                          (any[word] >> shift & 0xff) == 0
+                              ? std::uint32_t{clearances[i]} << kCellClearanceShift
+                          : !has_surface.empty() && !has_surface[i] && (all[word] >> shift & 0xff) == 0xff
+                              ? kCellInside
+                              : kCellSolid;
                     }
                   }
                 }

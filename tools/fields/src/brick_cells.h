@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "solid_bits.h"
+#include "kelp/fields/solid_bits.h"
 
 namespace kelp::fields {
 
@@ -18,7 +18,6 @@ struct BrickCells {
 // Empty bricks get their clearance; full ones without surface (has_surface, one a brick, 0;
 // of fog empty) kCellInside; the others a slot, in Morton order. Throws std::invalid_argument where slots do
 // not suffice.
-BrickCells buildCells(const SolidBits& bits, std::span<const std::uint8_t> has_surface,
-                      const glm::ivec3& grid, int threads);
+BrickCells buildCells(const SolidBits& bits, std::span<const std::uint8_t> has_surface, int threads);
 
 }  // namespace kelp::fields

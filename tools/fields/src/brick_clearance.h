@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "solid_bits.h"
+#include "kelp/fields/solid_bits.h"
 
 namespace kelp::fields {
 
 // For each brick of the grid, x fastest, the distance of its closed cube to the nearest solid voxel's, in
 // voxels, rounded down, at most kCellMaxClearance; 0 for bricks that hold something.
-std::vector<std::uint8_t> brickClearances(const SolidBits& bits, const glm::ivec3& grid, int threads);
+std::vector<std::uint8_t> brickClearances(const SolidBits& bits, int threads);
 
 // Bytes that it needs, its result included.
 std::uint64_t brickClearanceBytes(const glm::ivec3& grid);

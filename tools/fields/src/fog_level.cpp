@@ -59,7 +59,7 @@ RawLevel buildFogLevel(const FogSamples& fog, int threads) {
   const Occupancy cubes = fogCubes(fog, threads);
   if (std::all_of(cubes.solid.begin(), cubes.solid.end(), [](std::uint8_t any) { return any == 0; }))
     throw std::invalid_argument("a level of fog needs at least one cube that is not clear");
-  BrickCells built = buildCells(SolidBits(cubes, threads), {}, brickGrid(cubes.size), threads);
+  BrickCells built = buildCells(SolidBits(cubes, threads), {}, threads);
   RawLevel level;
   level.cells = std::move(built.cells);
   const auto take = [&](const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& to) {

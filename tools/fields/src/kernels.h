@@ -24,12 +24,13 @@ struct Kernels {
   // scratch: envelopeScratch(count) values.
   void (*envelopes)(std::uint32_t* values, std::size_t stride, int count, int width, std::int32_t* scratch);
 
-  // out[x] = largest (smallest) of the bytes x - 1, x and x + 1 of all `row_count` >= 1 rows; bytes beyond
-  // the ends are 0. scratch: neighbourScratch(count) bytes.
+  // out[x] = largest of the bytes x - 1, x and x + 1 of all `row_count` >= 1 rows; bytes beyond the ends are
+  // 0. scratch: neighbourScratch(count) bytes.
   void (*largest)(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch,
                   std::uint8_t* out);
-  void (*smallest)(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch,
-                   std::uint8_t* out);
+
+  // Bit x % 64 of words[x / 64] = whether bytes[x] is not 0. Bits beyond the last byte are 0.
+  void (*bits)(const std::uint8_t* bytes, int count, std::uint64_t* words);
 };
 
 inline std::size_t rowScratch(int count) { return 6 * static_cast<std::size_t>(count) + 512; }

@@ -304,62 +304,54 @@ HWY_ATTR void envelopes(std::uint32_t* values, std::size_t stride, int count, in
 
 // --- neighbourhoods
 
-struct PickLargest {
-  template <class V>
-  HWY_ATTR HWY_INLINE V operator()(V a, V b) const {
-    return hn::Max(a, b);
-  }
-  HWY_INLINE std::uint8_t scalar(std::uint8_t a, std::uint8_t b) const { return a > b ? a : b; }
-};
-
-struct PickSmallest {
-  template <class V>
-  HWY_ATTR HWY_INLINE V operator()(V a, V b) const {
-    return hn::Min(a, b);
-  }
-  HWY_INLINE std::uint8_t scalar(std::uint8_t a, std::uint8_t b) const { return a < b ? a : b; }
-};
-
-template <class Pick>
-HWY_ATTR HWY_INLINE void neighbours(const std::uint8_t* const* in, int row_count, int count,
-                                    std::uint8_t* scratch, std::uint8_t* out) {
-  const Pick pick;
+HWY_ATTR void largest(const std::uint8_t* const* in, int row_count, int count, std::uint8_t* scratch,
+                      std::uint8_t* out) {
+  const auto greater = [](std::uint8_t a, std::uint8_t b) { return a > b ? a : b; };
   const hn::CappedTag<std::uint8_t, 256> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   std::uint8_t* const across = scratch + 1;
   int x = 0;
   for (; x + lanes <= count; x += lanes) {
     auto best = hn::LoadU(d, in[0] + x);
-    for (int r = 1; r < row_count; ++r) best = pick(best, hn::LoadU(d, in[r] + x));
+    for (int r = 1; r < row_count; ++r) best = hn::Max(best, hn::LoadU(d, in[r] + x));
     hn::StoreU(best, d, across + x);
   }
   for (; x < count; ++x) {
     std::uint8_t best = in[0][x];
-    for (int r = 1; r < row_count; ++r) best = pick.scalar(best, in[r][x]);
+    for (int r = 1; r < row_count; ++r) best = greater(best, in[r][x]);
     across[x] = best;
   }
   across[-1] = across[count] = 0;
   for (x = 0; x + lanes <= count; x += lanes) {
-    const auto sides = pick(hn::LoadU(d, across + x - 1), hn::LoadU(d, across + x + 1));
-    hn::StoreU(pick(hn::LoadU(d, across + x), sides), d, out + x);
+    const auto sides = hn::Max(hn::LoadU(d, across + x - 1), hn::LoadU(d, across + x + 1));
+    hn::StoreU(hn::Max(hn::LoadU(d, across + x), sides), d, out + x);
   }
-  for (; x < count; ++x) out[x] = pick.scalar(across[x], pick.scalar(across[x - 1], across[x + 1]));
+  for (; x < count; ++x) out[x] = greater(across[x], greater(across[x - 1], across[x + 1]));
 }
 
-HWY_ATTR void largest(const std::uint8_t* const* in, int row_count, int count, std::uint8_t* scratch,
-                      std::uint8_t* out) {
-  neighbours<PickLargest>(in, row_count, count, scratch, out);
-}
+// --- a bit a byte
 
-HWY_ATTR void smallest(const std::uint8_t* const* in, int row_count, int count, std::uint8_t* scratch,
-                       std::uint8_t* out) {
-  neighbours<PickSmallest>(in, row_count, count, scratch, out);
+HWY_ATTR void bits(const std::uint8_t* bytes, int count, std::uint64_t* words) {
+  const hn::CappedTag<std::uint8_t, 64> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  if (lanes < 8) return plainKernels().bits(bytes, count, words);  // no vectors at all
+  for (int x = 0; x < count; x += 64, bytes += 64) {
+    std::uint8_t last[64] = {};
+    if (count - x < 64) std::memcpy(last, bytes, static_cast<std::size_t>(count - x));
+    const std::uint8_t* const from = count - x < 64 ? last : bytes;
+    std::uint8_t eights[8 + 8] = {};  // with room for what a store may write beyond its bits
+    for (int i = 0; i < 64; i += lanes)
+      hn::StoreMaskBits(d, hn::Ne(hn::LoadU(d, from + i), hn::Zero(d)), eights + i / 8);
+    std::uint64_t word = 0;
+    for (int i = 0; i < 8; ++i) word |= std::uint64_t{eights[i]} << (8 * i);
+    words[x / 64] = word;
+  }
 }
 
 }  // namespace
 
 const Kernels* table() {
-  static constexpr Kernels kernels{rows, envelopes, largest, smallest};
+  static constexpr Kernels kernels{rows, envelopes, largest, bits};
   return &kernels;
 }
 

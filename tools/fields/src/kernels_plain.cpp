@@ -68,34 +68,29 @@ void envelopes(std::uint32_t* values, std::size_t stride, int count, int width, 
              stride);
 }
 
-template <class Pick>
-void neighbours(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch,
-                std::uint8_t* out, Pick pick) {
+void largest(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch,
+             std::uint8_t* out) {
   std::uint8_t* const across = scratch + 1;
   std::memcpy(across, rows[0], static_cast<std::size_t>(count));
   for (int r = 1; r < row_count; ++r) {
-    for (int x = 0; x < count; ++x) across[x] = pick(across[x], rows[r][x]);
+    for (int x = 0; x < count; ++x) across[x] = std::max(across[x], rows[r][x]);
   }
   across[-1] = across[count] = 0;
-  for (int x = 0; x < count; ++x) out[x] = pick(across[x], pick(across[x - 1], across[x + 1]));
+  for (int x = 0; x < count; ++x) out[x] = std::max(across[x], std::max(across[x - 1], across[x + 1]));
 }
 
-void largest(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch,
-             std::uint8_t* out) {
-  neighbours(rows, row_count, count, scratch, out,
-             [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); });
-}
-
-void smallest(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch,
-              std::uint8_t* out) {
-  neighbours(rows, row_count, count, scratch, out,
-             [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); });
+void bits(const std::uint8_t* bytes, int count, std::uint64_t* words) {
+  for (int x = 0; x < count; x += 64) {
+    std::uint64_t word = 0;
+    for (int i = 0; i < std::min(64, count - x); ++i) word |= std::uint64_t{bytes[x + i] != 0} << i;
+    words[x / 64] = word;
+  }
 }
 
 }  // namespace
 
 const Kernels& plainKernels() {
-  static constexpr Kernels kernels{rows, envelopes, largest, smallest};
+  static constexpr Kernels kernels{rows, envelopes, largest, bits};
   return kernels;
 }
 

@@ -9,6 +9,40 @@
 
 namespace kelp::fields {
 
+namespace {
+
+// Bits 0, 2, 4, ..., together.
+std::uint64_t evenBits(std::uint64_t word) {
+  word &= 0x5555555555555555u;
+  word = (word | word >> 1) & 0x3333333333333333u;
+  word = (word | word >> 2) & 0x0f0f0f0f0f0f0f0fu;
+  word = (word | word >> 4) & 0x00ff00ff00ff00ffu;
+  word = (word | word >> 8) & 0x0000ffff0000ffffu;
+  return (word | word >> 16) & 0xffffffffu;
+}
+
+}  // namespace
+
+SolidBits coarser(const SolidBits& bits, int threads) {
+  SolidBits half(levelSize(bits.size(), 1));
+  const glm::ivec3& size = half.size();
+  parallelFor(
+      size.z, grainOf(std::int64_t{size.x} * size.y), threads, [&](std::int64_t begin, std::int64_t end) {
+        for (int z = static_cast<int>(begin); z < end; ++z) {
+          for (int y = 0; y < size.y; ++y) {
+            const std::uint64_t* const fine[4] = {bits.row(2 * y, 2 * z), bits.row(2 * y + 1, 2 * z),
+                                                  bits.row(2 * y, 2 * z + 1), bits.row(2 * y + 1, 2 * z + 1)};
+            std::uint64_t* const coarse = half.row(y, z);
+            for (int i = 0; i < bits.words(); ++i) {
+              const std::uint64_t any = fine[0][i] | fine[1][i] | fine[2][i] | fine[3][i];
+              coarse[i / 2] |= evenBits(any | any >> 1) << (i % 2 * 32);
+            }
+          }
+        }
+      });
+  return half;
+}
+
 Occupancy coarser(const Occupancy& occupancy, int threads) {
   checkedVolume(occupancy.solid.size(), occupancy.size);
   Occupancy half;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // What depends on the 26 neighbours: dilation, and the voxels of the surface.
 #include <algorithm>
-#include <cstring>
+#include <bit>
 #include <memory>
 
 #include "check.h"
+#include "kelp/common/dense_index.h"
 #include "kelp/fields/fields.h"
 #include "kernels.h"
 #include "parallel.h"
@@ -23,29 +24,25 @@ int rowsAround(const Occupancy& occupancy, int y, int z, const std::uint8_t* (&r
   return count;
 }
 
-// Whether any of eight bytes is 0.
-bool holdsZero(std::uint64_t bytes) {
-  return ((bytes - 0x0101010101010101u) & ~bytes & 0x8080808080808080u) != 0;
-}
-
-// Adds the solid voxels of a row that are not inner. Eight at a time: most are all empty, or all inner.
-void addOuter(const std::uint8_t* solid, const std::vector<std::uint8_t>& inner, std::size_t first,
-              std::vector<std::uint64_t>& surface) {
-  std::size_t x = 0;
-  const auto addOne = [&] {
-    if (solid[x] && !inner[x]) surface.push_back(first + x);
-  };
-  for (; x + 8 <= inner.size();) {
-    std::uint64_t solids, inners;
-    std::memcpy(&solids, solid + x, 8);
-    std::memcpy(&inners, inner.data() + x, 8);
-    if (solids == 0 || !holdsZero(inners)) {
-      x += 8;
-      continue;
+// Calls visit(x of its first voxel, the surface voxels) for the words of a row that hold any.
+template <class Visit>
+void forEachSurfaceWord(const SolidBits& bits, int y, int z, const Visit& visit) {
+  const std::uint64_t* const middle = bits.row(y, z);
+  for (int i = 0; i < bits.words(); ++i) {
+    if (middle[i] == 0) continue;
+    // Whether the columns of nine, at this voxel and at those before and after it, are all solid.
+    std::uint64_t all = ~std::uint64_t{0}, before = all, after = all;
+    for (int dz = -1; dz <= 1; ++dz) {
+      for (int dy = -1; dy <= 1; ++dy) {
+        const std::uint64_t* const row = bits.row(y + dy, z + dz) + i;
+        all &= row[0];
+        before &= row[-1];
+        after &= row[1];
+      }
     }
-    for (const std::size_t end = x + 8; x < end; ++x) addOne();
+    const std::uint64_t inner = all & (all << 1 | before >> 63) & (all >> 1 | after << 63);
+    if (const std::uint64_t surface = middle[i] & ~inner) visit(i * SolidBits::kWordVoxels, surface);
   }
-  for (; x < inner.size(); ++x) addOne();
 }
 
 }  // namespace
@@ -68,40 +65,36 @@ std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads) {
   return dilated;
 }
 
+std::vector<std::uint64_t> surfaceVoxels(const SolidBits& bits, int threads) {
+  // Counts, then fills.
+  const glm::ivec3& size = bits.size();
+  const auto slices = static_cast<std::size_t>(size.z);
+  std::vector<std::size_t> first(slices + 1, 0);
+  parallelRanges(slices, 1, threads, [&](std::size_t z, std::size_t) {
+    std::size_t count = 0;
+    for (int y = 0; y < size.y; ++y)
+      forEachSurfaceWord(bits, y, static_cast<int>(z), [&](int, std::uint64_t word) {
+        count += static_cast<std::size_t>(std::popcount(word));
+      });
+    first[z + 1] = count;
+  });
+  for (std::size_t z = 0; z < slices; ++z) first[z + 1] += first[z];
+  std::vector<std::uint64_t> surface(first.back());
+  parallelRanges(slices, 1, threads, [&](std::size_t z, std::size_t) {
+    std::uint64_t* out = surface.data() + first[z];
+    for (int y = 0; y < size.y; ++y) {
+      const std::size_t row = denseIndex(size, 0, y, static_cast<int>(z));
+      forEachSurfaceWord(bits, y, static_cast<int>(z), [&](int x, std::uint64_t word) {
+        for (; word != 0; word &= word - 1)
+          *out++ = row + static_cast<std::size_t>(x) + static_cast<std::size_t>(std::countr_zero(word));
+      });
+    }
+  });
+  return surface;
+}
+
 std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads) {
-  checkedVolume(occupancy.solid.size(), occupancy.size);
-  const glm::ivec3 size = occupancy.size;
-  const Kernels& kernels = fastKernels();
-  std::vector<std::vector<std::uint64_t>> slices(static_cast<std::size_t>(size.z));
-  parallelFor(size.z, grainOf(std::int64_t{size.x} * size.y), threads,
-              [&](std::int64_t begin, std::int64_t end) {
-                const std::unique_ptr<std::uint8_t[]> scratch(new std::uint8_t[neighbourScratch(size.x)]);
-                std::vector<std::uint8_t> inner(static_cast<std::size_t>(size.x));
-                const std::uint8_t* rows[9];
-                for (int z = static_cast<int>(begin); z < end; ++z) {
-                  std::vector<std::uint64_t>& surface = slices[static_cast<std::size_t>(z)];
-                  for (int y = 0; y < size.y; ++y) {
-                    // Where a row around is outside the volume, nothing of this row is inner.
-                    const int count = rowsAround(occupancy, y, z, rows);
-                    if (count == 9) {
-                      kernels.smallest(rows, count, size.x, scratch.get(), inner.data());
-                    } else {
-                      std::fill(inner.begin(), inner.end(), std::uint8_t{0});
-                    }
-                    const std::size_t first = occupancy.index({0, y, z});
-                    addOuter(occupancy.solid.data() + first, inner, first, surface);
-                  }
-                }
-              });
-  std::size_t total = 0;
-  for (const auto& surface : slices) total += surface.size();
-  std::vector<std::uint64_t> all;
-  all.reserve(total);
-  for (auto& surface : slices) {
-    all.insert(all.end(), surface.begin(), surface.end());
-    surface = {};
-  }
-  return all;
+  return surfaceVoxels(SolidBits(occupancy, threads), threads);
 }
 
 }  // namespace kelp::fields

@@ -1,65 +1,58 @@
 // SPDX-License-Identifier: MIT
-#include "solid_bits.h"
+#include "kelp/fields/solid_bits.h"
 
+#include <atomic>
+#include <bit>
+
+#include "check.h"
 #include "kelp/formats/brick.h"
+#include "kernels.h"
 #include "parallel.h"
 
 namespace kelp::fields {
 namespace {
 
-// Bit i: byte i is not 0.
-std::uint8_t bitsOfEight(const std::uint8_t* bytes) {
-  std::uint64_t word = 0;
-  for (int i = 0; i < 8; ++i) word |= std::uint64_t{bytes[i]} << (8 * i);
-  constexpr std::uint64_t kLow = 0x7f7f7f7f7f7f7f7fu;
-  const std::uint64_t ones = (((word & kLow) + kLow) | word) >> 7 & 0x0101010101010101u;
-  return static_cast<std::uint8_t>(ones * 0x0102040810204080u >> 56);  // gathers one bit from each byte
+std::size_t widthOf(const glm::ivec3& size) {
+  return static_cast<std::size_t>(1 + (size.x + SolidBits::kWordVoxels - 1) / SolidBits::kWordVoxels);
+}
+std::size_t withMargins(int bricks) { return static_cast<std::size_t>(bricks) * kBrickSide + 2; }
+
+// The margin behind the last row is the word beyond it.
+std::size_t wordsOf(const glm::ivec3& size) {
+  const glm::ivec3 grid = brickGrid(size);
+  return widthOf(size) * withMargins(grid.y) * withMargins(grid.z) + 1;
 }
 
 }  // namespace
 
-SolidBits::SolidBits(const Occupancy& occupancy, int threads)
-    : width_(static_cast<std::size_t>(brickGrid(occupancy.size).x) + 2),
-      height_(static_cast<std::size_t>(brickGrid(occupancy.size).y + 2) * kBrickSide),
-      bits_(bytes(brickGrid(occupancy.size))) {
-  const glm::ivec3 size = occupancy.size;
-  parallelFor(size.z, grainOf(std::int64_t{size.x} * size.y), threads,
+SolidBits::SolidBits(const glm::ivec3& size) : size_(size) {
+  checkedVolume(size);
+  width_ = widthOf(size);
+  height_ = withMargins(brickGrid(size).y);
+  bits_.resize(wordsOf(size));
+}
+
+SolidBits::SolidBits(const Occupancy& occupancy, int threads) : SolidBits(occupancy.size) {
+  checkedVolume(occupancy.solid.size(), occupancy.size);
+  const Kernels& kernels = fastKernels();
+  parallelFor(size_.z, grainOf(std::int64_t{size_.x} * size_.y), threads,
               [&](std::int64_t begin, std::int64_t end) {
-                for (int z = static_cast<int>(begin); z < end; ++z) {
-                  for (int y = 0; y < size.y; ++y) {
-                    const std::uint8_t* const solid = occupancy.solid.data() + occupancy.index({0, y, z});
-                    std::uint8_t* const row = bits_.data() + index(0, y, z);
-                    int x = 0;
-                    for (; x + kBrickSide <= size.x; x += kBrickSide)
-                      row[x / kBrickSide] = bitsOfEight(solid + x);
-                    for (; x < size.x; ++x)
-                      row[x / kBrickSide] |= static_cast<std::uint8_t>((solid[x] != 0) << (x % kBrickSide));
-                  }
-                }
+                for (int z = static_cast<int>(begin); z < end; ++z)
+                  for (int y = 0; y < size_.y; ++y)
+                    kernels.bits(occupancy.solid.data() + occupancy.index({0, y, z}), size_.x, row(y, z));
               });
 }
 
-bool SolidBits::holdsSolid(const glm::ivec3& brick) const {
-  for (int z = 0; z < kBrickSide; ++z) {
-    for (int y = 0; y < kBrickSide; ++y) {
-      if (row(brick.x, brick.y * kBrickSide + y, brick.z * kBrickSide + z)) return true;
-    }
-  }
-  return false;
+std::uint64_t SolidBits::count(int threads) const {
+  std::atomic<std::uint64_t> all{0};
+  parallelRanges(bits_.size(), 1 << 16, threads, [&](std::size_t begin, std::size_t end) {
+    std::uint64_t sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += static_cast<std::uint64_t>(std::popcount(bits_[i]));
+    all += sum;
+  });
+  return all;
 }
 
-bool SolidBits::isFull(const glm::ivec3& brick) const {
-  for (int z = 0; z < kBrickSide; ++z) {
-    for (int y = 0; y < kBrickSide; ++y) {
-      if (row(brick.x, brick.y * kBrickSide + y, brick.z * kBrickSide + z) != 0xff) return false;
-    }
-  }
-  return true;
-}
-
-std::uint64_t SolidBits::bytes(const glm::ivec3& grid) {
-  return static_cast<std::uint64_t>(grid.x + 2) * static_cast<std::uint64_t>(grid.y + 2) *
-         static_cast<std::uint64_t>(grid.z + 2) * kBrickSide * kBrickSide;
-}
+std::uint64_t SolidBits::bytes(const glm::ivec3& size) { return wordsOf(size) * sizeof(std::uint64_t); }
 
 }  // namespace kelp::fields

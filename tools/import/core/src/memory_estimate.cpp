@@ -17,7 +17,7 @@ namespace kelp::bake {
 
 PartSize volumeSize(const glm::ivec3& size, const glm::ivec3& pad, double surface_voxels,
                     double solid_voxels) {
-  PartSize result{size + 2 * pad, 0, surface_voxels, surface_voxels / 64, solid_voxels};
+  PartSize result{size + 2 * pad, 0, 0, surface_voxels, surface_voxels / 64, solid_voxels};
   result.volume_voxels = static_cast<double>(size.x) * size.y * size.z;
   return result;
 }
@@ -29,29 +29,31 @@ PartSize fogSize(const glm::ivec3& size, const glm::ivec3& pad, bool heat) {
 }
 
 std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes) {
-  // Measured on real files (see the README of this folder). Bytes for each triangle: as it was read, while
-  // the mesh is analysed, and with its hierarchy. Bytes while the surface is found: a bit for each voxel,
-  // and for each surface voxel; while it is sampled, and while levels are built: for each surface voxel.
-  // Bricks within the band of distances for each brick that the surface passes through. The process that
-  // bakes takes some memory of its own, the one that watches it and reads the pack back more, which is the
-  // least.
-  constexpr double kProgram = 12e6, kWatching = 41e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 140,
-                   kFinding = 36, kSampling = 32, kLeveling = 42, kBricksOfBand = 3;
+  // Measured on real files (see the README of this folder). Bytes for each triangle and for each vertex:
+  // as they were read, while the mesh is analysed; for each triangle with its hierarchy. Bytes while the
+  // surface is found: a bit for each voxel, and for each surface voxel; while it is sampled, and while levels
+  // are built: for each surface voxel. Bricks within the band of distances for each brick that the surface
+  // passes through. The process that bakes takes some memory of its own, the one that watches it and reads
+  // the pack back more, which is the least.
+  constexpr double kProgram = 12e6, kWatching = 41e6, kTriangle = 36, kVertex = 46, kAnalysing = 95,
+                   kAnalysingVertex = 190, kHierarchy = 140, kFinding = 36, kSampling = 32, kLeveling = 36,
+                   kBricksOfBand = 3;
   // Reductions of images hold a third as many texels, each four times as large.
   double kept = kProgram + static_cast<double>(image_bytes) * (1 + 4.0 / 3);
-  for (const PartSize& part : parts) kept += static_cast<double>(part.triangles) * kTriangle;
+  for (const PartSize& part : parts)
+    kept += static_cast<double>(part.triangles) * kTriangle + static_cast<double>(part.vertices) * kVertex;
   double peak = kept;
   const auto gridBytes = [](const PartSize& part) {
     if (part.fog_channels > 0) return part.voxels() * part.fog_channels * sizeof(std::uint16_t);
     return part.voxels() + part.surface_voxels * sizeof(SurfaceSample);
   };
   for (const PartSize& part : parts) {
-    const double triangles = static_cast<double>(part.triangles);
+    const double triangles = static_cast<double>(part.triangles),
+                 analysing = triangles * kAnalysing + static_cast<double>(part.vertices) * kAnalysingVertex;
     if (part.triangles > 0) {
       const double finding = std::max(part.voxels() / 8 + part.surface_voxels * kFinding,
                                       part.surface_voxels * (sizeof(SurfaceSample) + kSampling));
-      peak = std::max({peak, kept + triangles * kAnalysing,
-                       kept + part.voxels() + triangles * kAnalysing + part.scan_bytes,
+      peak = std::max({peak, kept + analysing, kept + part.voxels() + analysing + part.scan_bytes,
                        kept + part.voxels() + triangles * kHierarchy + finding});
     }
     kept += gridBytes(part);
@@ -72,10 +74,12 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
     // Bricks that the surface passes through, one half of which is solid, and bricks inside.
     const double bricks =
         part.surface_bricks + std::max(0.0, part.solid_voxels / kBrickVoxels - 0.5 * part.surface_bricks);
-    peak = std::max(
-        peak, kept + part.surface_voxels * kLeveling +
-                  static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks))));
-    // The voxels are freed, the level stays.
+    // The voxels become bits before anything else is made.
+    peak =
+        std::max({peak, kept + part.voxels() / 8,
+                  kept - part.voxels() + part.surface_voxels * kLeveling +
+                      static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks)))});
+    // The level stays.
     kept += bricks * kBrickVoxels + part.surface_voxels * sizeof(std::uint32_t) - gridBytes(part);
     // Distances: the bricks around the surface.
     const double near_bricks = std::min(part.voxels() / kBrickVoxels, kBricksOfBand * part.surface_bricks);

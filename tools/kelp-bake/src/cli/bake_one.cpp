@@ -22,6 +22,7 @@
 #include "kelp/common/memory.h"
 #include "kelp/common/output_file.h"
 #include "kelp/common/pack_error.h"
+#include "kelp/common/parallel.h"
 #include "kelp/formats/pack.h"
 #include "kelp/formats/source.h"
 #include "kelp/formats/verify.h"
@@ -111,7 +112,7 @@ std::string checkFinished(const Options& options, OutputFile& output, bake::Repo
         auto& kept = *static_cast<std::optional<Issue>*>(first);
         if (found.severity == Severity::kError && !kept) kept = found;
       },
-      &issue);
+      &issue, {}, threadCount(options.settings.threads));
   if (issue && exitOf(issue->error.code) != Exit::kInvalid) failPack(name, issue->error);
   if (issue)
     throw ToolError(Exit::kRuntime, options.input.string() + ": the pack that its bake wrote is not sound (" +

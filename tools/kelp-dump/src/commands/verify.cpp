@@ -9,6 +9,7 @@
 #include "commands/commands.h"
 #include "commands/options.h"
 #include "kelp/common/pack_error.h"
+#include "kelp/common/parallel.h"
 #include "pack/pack_file.h"
 #include "text/text.h"
 #include "verify/deep_check.h"
@@ -62,7 +63,7 @@ Exit runVerify(const VerifyOptions& options) {
       [](void* user, const Issue& issue) {
         static_cast<VerifyReport*>(user)->findings.push_back(findingOf(issue));
       },
-      &report);
+      &report, {}, threadCount(0));
   // If the pack does not open, the findings say so already.
   if (const Pack* pack = file.packIfSound()) {
     for (const Part& part : pack->parts()) {

@@ -48,11 +48,12 @@ Cells cellsOf(const Polygon& polygon, int axis, int size) {
     low = std::min(low, polygon.at(i)[axis]);
     high = std::max(high, polygon.at(i)[axis]);
   }
-  const auto within = [&](double cell) {
-    return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(size - 1)));
-  };
-  const int first = within(std::floor(low));
-  return {first, std::max(first, within(std::ceil(high) - 1))};
+  // Whole numbers of what is not negative: std::floor and std::ceil are calls where a machine may be old.
+  const auto within = [&](double place) { return std::clamp(place, 0.0, static_cast<double>(size)); };
+  const int first = std::min(static_cast<int>(within(low)), size - 1);
+  const auto whole = static_cast<int>(within(high));
+  const int last = static_cast<double>(whole) < within(high) ? whole : whole - 1;
+  return {first, std::clamp(last, first, size - 1)};
 }
 
 struct Box {

@@ -5,7 +5,7 @@
 
 namespace kelp::bake {
 
-std::vector<Edge> sortedEdges(const Topology& mesh, bool separate_walls) {
+std::vector<Edge> sortedEdges(const Topology& mesh, bool separate_walls, int threads) {
   const auto make = [&](const auto& take) {
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       for (std::uint8_t k = 0; k < 3; ++k) {
@@ -16,7 +16,7 @@ std::vector<Edge> sortedEdges(const Topology& mesh, bool separate_walls) {
       }
     }
   };
-  return sortedByVertex<Edge>(mesh.lattice.size(), make, [](const Edge& x, const Edge& y) {
+  return sortedByVertex<Edge>(mesh.lattice.size(), threads, make, [](const Edge& x, const Edge& y) {
     return std::tie(x.high, x.wall, x.triangle, x.side) < std::tie(y.high, y.wall, y.triangle, y.side);
   });
 }

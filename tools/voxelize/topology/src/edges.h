@@ -42,7 +42,7 @@ struct Edge {
 };
 
 // Sorted by place, then by triangle.
-std::vector<Edge> sortedEdges(const Topology& mesh, bool separate_walls);
+std::vector<Edge> sortedEdges(const Topology& mesh, bool separate_walls, int threads = 1);
 
 // Calls visit(begin, end) for each run of equal edges.
 template <class Visit>

@@ -154,7 +154,7 @@ class FaultyMeshMaker {
         take(made_.vertices[i],
              Place{made_.vertices[i], mesh_.triangles[made_.triangles[root_of[i] / 3]].component});
     };
-    const std::vector<Place> places = sortedByVertex<Place>(mesh_.lattice.size(), make, std::less<>());
+    const std::vector<Place> places = sortedByVertex<Place>(mesh_.lattice.size(), 1, make, std::less<>());
     for (std::size_t i = 1; i < places.size(); ++i)
       mesh_.components[places[i][1]].diagnosis.split_vertices += places[i] == places[i - 1];
   }

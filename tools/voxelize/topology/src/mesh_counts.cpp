@@ -36,7 +36,7 @@ class Rims {
 
 }  // namespace
 
-MeshCounts countMesh(const TriangleSoup& soup) {
+MeshCounts countMesh(const TriangleSoup& soup, int threads) {
   MeshCounts counts;
   counts.vertices = soup.positions.size();
   counts.triangles = soup.triangles.size();
@@ -50,7 +50,7 @@ MeshCounts countMesh(const TriangleSoup& soup) {
       }
     }
   };
-  const std::vector<Ends> edges = sortedByVertex<Ends>(soup.positions.size(), make, std::less<>());
+  const std::vector<Ends> edges = sortedByVertex<Ends>(soup.positions.size(), threads, make, std::less<>());
   Rims rims;
   for (std::size_t begin = 0; begin < edges.size();) {
     std::size_t end = begin + 1;

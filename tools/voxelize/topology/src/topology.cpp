@@ -48,7 +48,7 @@ bool runsUpward(const std::array<std::uint32_t, 3>& v) {
 // A face modelled twice (once for each side, or by mistake) would make every edge look closed and the inside
 // vanish: the first one stays, marked as a wall if there were as many for one side as for the other.
 // Triangles that have collapsed to a line or a point go where others have that as a side or a corner.
-void removeDuplicates(Topology& mesh) {
+void removeDuplicates(Topology& mesh, int threads) {
   using Key = std::array<std::uint32_t, 4>;  // the corners from low to high, the triangle
   const auto make = [&](const auto& take) {
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -57,7 +57,7 @@ void removeDuplicates(Topology& mesh) {
       take(v[0], Key{v[0], v[1], v[2], i});
     }
   };
-  const std::vector<Key> keys = sortedByVertex<Key>(mesh.lattice.size(), make, std::less<>());
+  const std::vector<Key> keys = sortedByVertex<Key>(mesh.lattice.size(), threads, make, std::less<>());
   std::vector<bool> drop(mesh.triangles.size(), false);
   std::size_t first = 0;
   int upward = 0;
@@ -91,7 +91,7 @@ DisjointSets joinedByEdges(const Topology& mesh, const std::vector<Edge>& edges)
 // A face modelled from both sides is the skin of a body (all of it is modelled so), a sheet, a leaf on a
 // body, or the wall between two bodies that touch. The last two are no part of any skin, and known by this:
 // the rest of what hangs together has a shorter boundary without them.
-void findWalls(Topology& mesh) {
+void findWalls(Topology& mesh, int threads) {
   if (std::none_of(mesh.triangles.begin(), mesh.triangles.end(),
                    [](const SolidTriangle& t) { return t.wall; }))
     return;
@@ -99,7 +99,7 @@ void findWalls(Topology& mesh) {
     double with = 0, without = 0;
     bool rest = false;
   };
-  const std::vector<Edge> edges = sortedEdges(mesh, false);
+  const std::vector<Edge> edges = sortedEdges(mesh, false, threads);
   DisjointSets sets = joinedByEdges(mesh, edges);
   std::vector<Boundary> boundaries(mesh.triangles.size());
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -136,8 +136,8 @@ void findComponents(Topology& mesh, const std::vector<Edge>& edges) {
   }
 }
 
-std::vector<Hole> mend(Topology& mesh) {
-  std::vector<Edge> edges = sortedEdges(mesh, true);
+std::vector<Hole> mend(Topology& mesh, int threads) {
+  std::vector<Edge> edges = sortedEdges(mesh, true, threads);
   findComponents(mesh, edges);
   return findHoles(mesh, makeFaultyMesh(mesh, std::move(edges)));
 }
@@ -165,12 +165,12 @@ void measure(Topology& mesh, const std::vector<SolidTriangle>& caps) {
 
 }  // namespace
 
-Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
+Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill, int threads) {
   Topology mesh;
   weld(soup, frame, mesh);
-  removeDuplicates(mesh);
-  findWalls(mesh);
-  std::vector<Hole> holes = mend(mesh);
+  removeDuplicates(mesh, threads);
+  findWalls(mesh, threads);
+  std::vector<Hole> holes = mend(mesh, threads);
   measure(mesh, makeCones(mesh, holes));
   mesh.closed = true;
   for (Component& c : mesh.components) {

@@ -11,6 +11,7 @@
 #include <glm/vec3.hpp>
 
 #include "kelp/common/dense_index.h"
+#include "kelp/fields/solid_bits.h"
 #include "kelp/formats/raw_pack.h"
 
 namespace kelp::fields {
@@ -71,15 +72,18 @@ struct SurfaceVoxel {
 };
 
 // Indices of the solid voxels with an empty voxel, or the outside, among their 26 neighbours; ascending.
+std::vector<std::uint64_t> surfaceVoxels(const SolidBits& bits, int threads);
 std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads);
 
 // The next coarser occupancy: size ceil(size / 2), solid where any of the (up to) eight voxels is.
+SolidBits coarser(const SolidBits& bits, int threads);
 Occupancy coarser(const Occupancy& occupancy, int threads = 1);
 
 // Cells, codes and attributes of one level: what brick.h describes, without boxes, which the reader of a pack
 // makes. `surface` must list exactly the voxels
 // that get an attribute, all solid; full bricks without any become kCellInside. Throws std::invalid_argument
 // if nothing is solid or `surface` does not fit.
+RawLevel buildLevel(const SolidBits& bits, std::span<const SurfaceVoxel> surface, int threads);
 RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> surface, int threads);
 
 // The distances of one level, exact within the band: what kelp/formats/distance.h describes. Brick by brick,
@@ -115,7 +119,7 @@ FogSamples coarserFog(const FogSamples& fine, float& extinction, int threads);
 FogSamples fogSamplesOf(const RawLevel& level, const glm::ivec3& size);
 
 // Bytes that buildLevel needs at its peak for a volume of `size` voxels of which so many bricks hold
-// something, not counting the occupancy and the surface itself, nor 4 bytes of result for each surface voxel.
+// something, its bits included, but not the surface itself, nor 4 bytes of result for each surface voxel.
 std::uint64_t peakBytes(const glm::ivec3& size, std::uint64_t stored_bricks);
 
 }  // namespace kelp::fields

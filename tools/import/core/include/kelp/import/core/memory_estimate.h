@@ -16,7 +16,7 @@ namespace kelp::bake {
 // What is known of a part before it is voxelized.
 struct PartSize {
   glm::ivec3 size{0};
-  std::uint64_t triangles = 0;
+  std::uint64_t triangles = 0, vertices = 0;
   // surface_bricks: those that the surface passes through
   double surface_voxels = 0, surface_bricks = 0, solid_voxels = 0;
   glm::dvec3 crossings{0};   // approximate number of crossings of triangles with scanlines along each axis

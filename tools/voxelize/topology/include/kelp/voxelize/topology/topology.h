@@ -74,6 +74,6 @@ inline constexpr double kMaxHoleShare = 0.17;
 // A cone from a point to that cycle closes the component exactly, whatever the shape of the holes, so the
 // signed crossings along any line sum to zero. kAuto: solid if the cones are small beside the surface.
 // kSolid, kSurface: all are.
-Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill);
+Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill, int threads = 1);
 
 }  // namespace kelp::bake
