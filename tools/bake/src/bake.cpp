@@ -142,7 +142,7 @@ void checkMemory(Job& job) {
   const auto sizes = [&](const std::vector<Frame>& frames, int pad) {
     std::vector<PartSize> parts;
     for (std::size_t i = 0; i < model.parts.size(); ++i) {
-      parts.push_back(partSize(model.parts[i], frames[i], paddingOf(model.parts[i], pad)));
+      parts.push_back(partSize(model.parts[i], frames[i], paddingOf(model.parts[i], pad), job.threads));
       if (model.parts[i].skin) countSkin(*model.parts[i].skin, parts.back());
     }
     return parts;

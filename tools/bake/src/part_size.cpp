@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "kelp/common/parallel.h"
 #include "kelp/formats/brick.h"
 #include "kelp/voxelize/fill/scan.h"
 #include "kelp/voxelize/surface/touched_cells.h"
@@ -36,7 +37,7 @@ std::vector<bool> repeatedFaces(const TriangleSoup& soup) {
 
 }  // namespace
 
-PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad) {
+PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad, int threads) {
   if (part.grid) {
     const auto solid = std::count_if(part.grid->solid.begin(), part.grid->solid.end(),
                                      [](std::uint8_t voxel) { return voxel != 0; });
@@ -76,8 +77,12 @@ PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& 
   result.scan_bytes = std::min(std::max({crossings.x, crossings.y, crossings.z}),
                                static_cast<double>(kMostCrossings) + static_cast<double>(triangles.size())) *
                       kCrossingBytes;
-  result.surface_voxels = std::min(touchedCells(part.soup, frame, 1), result.voxels());
-  result.surface_bricks = std::min(touchedCells(part.soup, frame, kBrickSide), result.surface_voxels);
+  std::array<double, 2> touched{};
+  parallelRanges(touched.size(), 1, threads, [&](std::size_t i, std::size_t) {
+    touched[i] = touchedCells(part.soup, frame, i == 0 ? 1 : kBrickSide);
+  });
+  result.surface_voxels = std::min(touched[0], result.voxels());
+  result.surface_bricks = std::min(touched[1], result.surface_voxels);
   result.solid_voxels = std::min(std::abs(volume) + 0.5 * result.surface_voxels, result.voxels());
   return result;
 }

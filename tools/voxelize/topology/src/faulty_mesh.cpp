@@ -22,8 +22,10 @@ class FaultyMeshMaker {
   void make() {
     chooseFaces();
     if (made_.triangles.empty()) return;
-    findNeighbours();
-    wind();
+    if (winds_amiss_) {
+      findNeighbours();
+      wind();
+    }
     pairSides();
     edges_ = {};
     numberVertices();
@@ -62,8 +64,9 @@ class FaultyMeshMaker {
     forEachEdge(edges_, [&](std::size_t begin, std::size_t end) {
       const Edge& edge = edges_[begin];
       if (edge.low == edge.high) return;  // of a triangle that is a line or a point
-      if (end - begin != 2 || edge.forward == edges_[begin + 1].forward)
-        faulty[mesh_.triangles[edge.triangle].component] = true;
+      const bool alike = end - begin == 2 && edge.forward == edges_[begin + 1].forward;
+      winds_amiss_ = winds_amiss_ || alike;
+      if (end - begin != 2 || alike) faulty[mesh_.triangles[edge.triangle].component] = true;
     });
     face_of_.assign(mesh_.triangles.size(), kNone);
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
@@ -71,6 +74,7 @@ class FaultyMeshMaker {
       face_of_[i] = static_cast<std::uint32_t>(made_.triangles.size());
       made_.triangles.push_back(i);
     }
+    turned_.assign(made_.triangles.size(), false);
   }
 
   void findNeighbours() {
@@ -86,7 +90,6 @@ class FaultyMeshMaker {
   void wind() {
     enum : std::uint8_t { kKeep, kTurn, kUnseen };
     std::vector<std::uint8_t> state(made_.triangles.size(), kUnseen);
-    turned_.assign(state.size(), false);
     std::vector<std::uint32_t> patch;
     for (std::uint32_t seed = 0; seed < state.size(); ++seed) {
       if (state[seed] != kUnseen) continue;
@@ -207,6 +210,7 @@ class FaultyMeshMaker {
   std::vector<std::uint32_t> face_of_;  // each triangle
   std::vector<std::uint32_t> across_;   // from each side
   std::vector<bool> turned_;            // each face
+  bool winds_amiss_ = false;            // somewhere two triangles run along their edge in the same sense
   std::vector<std::uint32_t> half_edge_of_, vertex_of_;
   std::uint32_t edge_count_ = 0;
   DisjointSets fans_{0};  // of corners
