@@ -146,8 +146,40 @@ nlohmann::json measure(const std::string& path) {
   return {{"pack", path}, {"bytes", bytes.size()}, {"first", first}, {"half", half}, {"all", complete}};
 }
 
+// Milliseconds of some calls, sorted.
+class Times {
+ public:
+  template <class Call>
+  auto take(const Call& call) {
+    const auto before = std::chrono::steady_clock::now();
+    auto result = call();
+    times_.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count());
+    return result;
+  }
+  std::size_t count() const { return times_.size(); }
+  void finish(std::size_t count) {
+    times_.resize(count);
+    std::sort(times_.begin(), times_.end());
+  }
+  double share(std::size_t percent) const { return times_[(times_.size() - 1) * percent / 100]; }
+  std::string text() const {
+    char text[96];
+    std::snprintf(text, sizeof text, "%.2f ms (median), %.2f (99 %%), %.2f (longest)", share(50), share(99),
+                  share(100));
+    return text;
+  }
+  nlohmann::json json() const {
+    return {{"median", share(50)}, {"percent_99", share(99)}, {"most", share(100)}};
+  }
+
+ private:
+  std::vector<double> times_;
+};
+
 // All packs at once: a thread reads and decodes what the renderer asks for, while the other draws and uploads
-// at most kFrameBytes a frame. What upload() takes of each frame is kelp's share of the frame's time.
+// at most kFrameBytes a frame. What upload() takes of each frame is kelp's share of its time; whole frames,
+// finished by OpenGL, beside those of the same picture when nothing arrives any more.
 nlohmann::json measureFrames(const std::vector<std::string>& paths) {
   std::vector<std::string> texts;
   for (const std::string& path : paths) texts.push_back(read(path));
@@ -157,6 +189,7 @@ nlohmann::json measureFrames(const std::vector<std::string>& paths) {
   for (const MemorySource& source : sources)
     assets.push_back(expect(runtime::Asset::open(source.source()), "a pack"));
   Painter painter(assets);
+  (void)painter.draw();  // makes the programs
   std::atomic<bool> stop = false, idle = false;
   std::thread reader([&] {
     while (!stop) {
@@ -166,32 +199,33 @@ nlohmann::json measureFrames(const std::vector<std::string>& paths) {
       if (!more) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   });
-  std::vector<double> milliseconds;
+  constexpr std::size_t kQuiet = 10, kAfter = 60;
+  Times uploads, frames, after;
   std::uint64_t most = 0, sum = 0;
-  for (int quiet = 0; quiet < 10;) {
-    const auto before = std::chrono::steady_clock::now();
-    const gl::Stats stats = painter.upload(kFrameBytes);
-    milliseconds.push_back(
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count());
+  const auto frame = [&] {
+    const gl::Stats stats = uploads.take([&] { return painter.upload(kFrameBytes); });
+    (void)painter.draw();
+    return stats;
+  };
+  for (std::size_t quiet = 0; quiet < kQuiet;) {
+    const gl::Stats stats = frames.take(frame);
     most = std::max(most, stats.bytes_uploaded);
     sum += stats.bytes_uploaded;
-    (void)painter.draw();
     quiet = idle && stats.pending == 0 && stats.bytes_uploaded == 0 ? quiet + 1 : 0;
   }
   stop = true;
   reader.join();
-  milliseconds.resize(milliseconds.size() - 10);  // nothing was left to do
-  std::sort(milliseconds.begin(), milliseconds.end());
-  const auto share = [&](std::size_t percent) {
-    return milliseconds[(milliseconds.size() - 1) * percent / 100];
-  };
-  std::printf(
-      "%zu packs in %zu frames: %llu bytes uploaded, at most %llu a frame; upload() takes %.3f ms (median), "
-      "%.3f (99 %%), %.3f (most)\n",
-      paths.size(), milliseconds.size(), static_cast<unsigned long long>(sum),
-      static_cast<unsigned long long>(most), share(50), share(99), share(100));
-  return {{"packs", paths},      {"frames", milliseconds.size()}, {"bytes", sum},      {"most_bytes", most},
-          {"median", share(50)}, {"percent_99", share(99)},       {"most", share(100)}};
+  const std::size_t count = frames.count() - kQuiet;  // then nothing was left to do
+  while (after.count() < kAfter) after.take(frame);
+  uploads.finish(count);
+  frames.finish(count);
+  after.finish(kAfter);
+  std::printf("%zu packs in %zu frames: %llu bytes uploaded, at most %llu a frame\n", paths.size(), count,
+              static_cast<unsigned long long>(sum), static_cast<unsigned long long>(most));
+  std::printf("  upload()      %s\n  whole frames  %s\n  and later     %s\n", uploads.text().c_str(),
+              frames.text().c_str(), after.text().c_str());
+  return {{"packs", paths},           {"frames", count},        {"bytes", sum},         {"most_bytes", most},
+          {"upload", uploads.json()}, {"whole", frames.json()}, {"later", after.json()}};
 }
 
 }  // namespace
