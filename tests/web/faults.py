@@ -77,6 +77,7 @@ class Faults:
             self.drop(f"test/{name}", name)
             words = self.wait_words(expected)
             self.check(f"a .vox file {what} ends in words", name in words and expected in words, words)
+            self.check("  without options of a command", " --" not in words and "(--" not in words, words)
         self.shot("words_vox")
         self.serve("tree.vox", vox.tree())
         self.drop("test/tree.vox", "tree.vox")

@@ -3,6 +3,7 @@
 // in a worker, has memory of its own, and is thrown away after a file, so a hostile one takes nothing along.
 #include <emscripten/emscripten.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -37,6 +38,15 @@ void bakeInto(const char* path, Baked& out) {
   for (const std::string& notice : report.notices) out.words += notice + "\n";
 }
 
+// An error without advice about options of the command, which a page does not have.
+std::string inPage(std::string words) {
+  const std::size_t option = std::min(words.find(" --"), words.find("(--"));
+  if (option == std::string::npos) return words;
+  words.erase(std::min(words.find_last_of(";", option), option));
+  while (words.ends_with(' ')) words.pop_back();
+  return words + "; kelp-bake has options for that: bake the file with it, and open its pack here";
+}
+
 }  // namespace
 
 extern "C" {
@@ -48,7 +58,7 @@ EMSCRIPTEN_KEEPALIVE Baked* kelp_bake(const char* path) {
     bakeInto(path, *out);
   } catch (const std::exception& error) {  // kelp::ToolError says what to do
     out->bytes.clear();
-    out->words = error.what();
+    out->words = inPage(error.what());
   }
   return out;
 }
