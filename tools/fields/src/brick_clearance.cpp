@@ -7,6 +7,8 @@
 #include <cstddef>
 
 #include "kelp/common/dense_index.h"
+#include "kelp/fields/fields.h"
+#include "kelp/formats/brick.h"
 #include "parallel.h"
 
 // A distance transform on a lattice that is coarse where the answer is: squared distances between boxes are
