@@ -21,7 +21,7 @@ SourceModel importFile(const std::filesystem::path& path, const ImportSettings& 
   return importVox(path, settings, used);
 }
 
-MeshCounts countMesh(const TriangleSoup&) { return {}; }  // of voxels, too: there are no triangles
+MeshCounts countMesh(const TriangleSoup&, int) { return {}; }  // of voxels, too: there are no triangles
 VoxelizeResult voxelize(const SourceModel&, const SourcePart&, const Frame&, Fill, int, const Progress&) {
   refuseMesh();
 }
