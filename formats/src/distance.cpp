@@ -24,7 +24,7 @@ int reachOf(int squared) {
 
 using Eight = std::array<std::uint8_t, kBrickSide>;
 
-// What the set bits of a row's middle eight voxels give these: by the bits, squared distances along x.
+// Squared distances along x of eight voxels to the nearest set one among them, by their bits.
 constexpr std::array<Eight, 256> kFromMiddle = [] {
   std::array<Eight, 256> table{};
   for (std::size_t bits = 0; bits < table.size(); ++bits) {
@@ -37,8 +37,7 @@ constexpr std::array<Eight, 256> kFromMiddle = [] {
   }
   return table;
 }();
-// What a set voxel beside them gives them, by how many empty ones lie between it and the first of them;
-// kMaxReach: none is set.
+// The same to the nearest set voxel before them, by the number of empty ones between; kMaxReach: none is set.
 constexpr std::array<Eight, kMaxReach + 1> kFromBeside = [] {
   std::array<Eight, kMaxReach + 1> table{};
   for (int gap = 0; gap <= kMaxReach; ++gap)
@@ -191,6 +190,7 @@ DistanceBand distanceBand(const glm::ivec3& size, int levels, int level) {
 void computeDistanceCodes(std::span<const BrickBits* const, 125> around, DistanceBand band,
                           std::span<std::uint8_t, kBrickVoxels> codes) {
   const BrickBits& middle = *around[62];
+  std::fill(codes.begin(), codes.end(), std::uint8_t{0});  // before some are taken
   const auto all = [&](std::uint64_t slice) {
     return std::all_of(std::begin(middle.slices), std::end(middle.slices),
                        [&](std::uint64_t s) { return s == slice; });

@@ -53,6 +53,13 @@ TEST(SolidBits, AreTheOccupancyWithEmptyMargins) {
   }
 }
 
+TEST(SolidBits, AreCountedOnAnyNumberOfThreads) {
+  const fields::Occupancy volume = randomVolume({300, 131, 140}, 0.4, 6);  // several pieces of work
+  const auto solid =
+      static_cast<std::uint64_t>(std::count(volume.solid.begin(), volume.solid.end(), std::uint8_t{1}));
+  for (const int threads : {0, 1, 3}) EXPECT_EQ(fields::SolidBits(volume, threads).count(threads), solid);
+}
+
 TEST(SolidBits, AreHalvedLikeOccupancies) {
   for (const NamedVolume& volume : wideVolumes()) {
     for (const int threads : {1, 3}) {
@@ -68,6 +75,8 @@ TEST(SolidBits, RefuseSizesThatDoNotFit) {
   volume.size.x = 5;
   EXPECT_THROW(fields::SolidBits(volume, 1), std::invalid_argument);
   EXPECT_THROW(fields::SolidBits(glm::ivec3(0, 1, 1)), std::invalid_argument);
+  volume.size = glm::ivec3(fields::kMaxSide);  // without taking memory for all of them first
+  EXPECT_THROW(fields::SolidBits(volume, 1), std::invalid_argument);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "pack_surgeon.h"
+#include "support/all_tests.h"
 #include "support/random_pack.h"
 #include "support/short_memory.h"
 #include "tiny_pack.h"
@@ -199,6 +200,50 @@ TEST(Verify, AcceptsASingleLevelOfSeveralPages) {
   EXPECT_EQ(idsOf(issuesOf(bytes)), Ids{});
   MemorySource memory(bytes);
   EXPECT_GT(Pack::open(memory.source())->readGrid(0, 0)->pages.size(), 1u);
+}
+
+// More pages than are read at once, many of them wrong, and finer ones that cannot be read without these.
+TEST(Verify, NamesEveryPageThatIsWrongInOrder) {
+  test::RandomPack random(32, {1, 8, 1, 0, 0});
+  RawPack raw = random.make();
+  raw.parts[0].size = test::kSanitized ? glm::ivec3(120, 60, 97) : glm::ivec3(240, 190, 200);
+  raw.parts[0].knots = {{0, {0, 0, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}};
+  raw.parts[0].levels = random.makeLevels(raw.parts[0].size, 2, raw.palette.size(), 0.9f);
+  Bytes bytes = test::writeToMemory(raw);
+  MemorySource memory(bytes);
+  const Result<Pack> pack = Pack::open(memory.source());
+  ASSERT_TRUE(pack);
+  const LevelGrid fine = *pack->readGrid(0, 0), coarse = *pack->readGrid(0, 1);
+  ASSERT_GT(fine.pages.size(), test::kSanitized ? 20u : 256u);
+  ASSERT_GT(coarse.pages.size(), 3u);
+  const auto damage = [&](const PageInfo& page) {
+    bytes[static_cast<std::size_t>(page.offset) + page.stored / 2] ^= std::byte{1};
+  };
+  for (std::size_t i = 0; i < fine.pages.size(); i += 7) damage(fine.pages[i]);
+  damage(coarse.pages[1]);
+  std::size_t chunks = 0, last_page = 0, damaged = 0, below = 0;
+  for (const Issue& issue : issuesOf(bytes)) {
+    if (issue.id == IssueId::kChunkChecksum) {
+      ++chunks;
+      continue;
+    }
+    ASSERT_EQ(issue.id, IssueId::kPage);
+    const auto page = static_cast<std::size_t>(issue.page);
+    if (issue.level == 1) {
+      EXPECT_EQ(page, 1u);
+      continue;
+    }
+    EXPECT_TRUE(page > last_page || damaged + below == 0) << "in order, each once";
+    last_page = page;
+    const bool without =
+        issue.error.detail == std::string("a page of the next coarser level over it cannot be read");
+    below += without;
+    damaged += !without;
+    EXPECT_TRUE(without || page % 7 == 0) << page;
+  }
+  EXPECT_EQ(chunks, 2u);
+  EXPECT_GT(damaged, 0u);
+  EXPECT_GT(below, 0u);
 }
 
 TEST(Verify, LimitsAndUnreadableSourcesAreIssuesToo) {

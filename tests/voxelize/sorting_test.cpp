@@ -75,7 +75,7 @@ TEST(SortedEdges, AreThoseOfTheTrianglesInOrder) {
           }
         }
         std::sort(truth.begin(), truth.end());
-        for (const int threads : {1, 2, 7}) {
+        for (const int threads : {0, 1, 2, 7, 1000}) {
           found.clear();
           for (const Edge& e : sortedEdges(mesh, separate, threads))
             found.emplace_back(e.low, e.high, e.wall, e.triangle, e.side, e.forward);

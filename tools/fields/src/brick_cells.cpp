@@ -20,7 +20,7 @@ BrickCells buildCells(const SolidBits& bits, std::span<const std::uint8_t> has_s
   const std::vector<std::uint8_t> clearances = brickClearances(bits, threads);
   parallelFor(grid.z, grainOf(std::int64_t{grid.x} * grid.y * kBrickVoxels), threads,
               [&](std::int64_t begin, std::int64_t end) {
-                // Of the 64 rows of a row of bricks, so of each brick's byte of them.
+                // OR and AND of the 64 voxel rows of a row of bricks: one byte for each brick.
                 std::vector<std::uint64_t> any(static_cast<std::size_t>(bits.words())), all(any.size());
                 for (int z = static_cast<int>(begin); z < end; ++z) {
                   for (int y = 0; y < grid.y; ++y) {

@@ -41,16 +41,22 @@ void gapsOfRow(const SolidBits& bits, int bricks, int y, int z, Square* squares)
   }
 }
 
-// As many values as are treated side by side, so that the least ones stay in registers.
-constexpr int kLanes = 32;
+// Lines and their results.
+struct Axis {
+  const Square* from;
+  std::size_t stride;  // from line to line
+  int lines;
+  Square* to;
+  std::size_t to_stride;
+};
 
-// From `lines` lines of `count` values, a line a voxel along an axis, to one line for each brick along it:
-// the least of value + gap^2. `count` is a multiple of kLanes.
-void reduceAxis(const Square* from, std::size_t stride, int lines, std::size_t count, Square* to,
-                std::size_t to_stride) {
+// From lines across an axis, one a voxel along it, to one line for each brick: the least of value + gap^2. Of
+// kLanes values side by side, from `at` on, so that the least ones stay in registers.
+template <std::size_t kLanes>
+void reduceLanes(const Axis& axis, std::size_t at) {
   std::array<Square, kLanes> best;
-  const auto lower = [&](std::size_t at, int i, Square square) {
-    const Square* const line = from + static_cast<std::size_t>(i) * stride + at;
+  const auto lower = [&](int i, Square square) {
+    const Square* const line = axis.from + static_cast<std::size_t>(i) * axis.stride + at;
     for (std::size_t k = 0; k < kLanes; ++k)
       best[k] = std::min<Square>(best[k], static_cast<Square>(line[k] + square));
   };
@@ -59,24 +65,31 @@ void reduceAxis(const Square* from, std::size_t stride, int lines, std::size_t c
     for (std::size_t k = 0; k < kLanes; ++k) most = std::max(most, best[k]);
     return most <= enough;
   };
-  for (int brick = 0; brick < lines / kBrickSide; ++brick, to += to_stride) {
+  Square* to = axis.to + at;
+  for (int brick = 0; brick < axis.lines / kBrickSide; ++brick, to += axis.to_stride) {
     const int first = brick * kBrickSide, end = first + kBrickSide;
-    for (std::size_t at = 0; at < count; at += kLanes) {
-      best.fill(kFarSquare);
-      for (int i = first; i < end; ++i) lower(at, i, 0);
-      for (int gap = 0; gap < kFar && (first - 1 - gap >= 0 || end + gap < lines); ++gap) {
-        const auto square = static_cast<Square>(gap * gap);
-        if (gap % 4 == 0 && allAtMost(square)) break;
-        if (first - 1 - gap >= 0) lower(at, first - 1 - gap, square);
-        if (end + gap < lines) lower(at, end + gap, square);
-      }
-      std::copy(best.begin(), best.end(), to + at);
+    best.fill(kFarSquare);
+    for (int i = first; i < end; ++i) lower(i, 0);
+    for (int gap = 0; gap < kFar && (first - 1 - gap >= 0 || end + gap < axis.lines); ++gap) {
+      const auto square = static_cast<Square>(gap * gap);
+      if (gap % 4 == 0 && allAtMost(square)) break;
+      if (first - 1 - gap >= 0) lower(first - 1 - gap, square);
+      if (end + gap < axis.lines) lower(end + gap, square);
     }
+    std::copy(best.begin(), best.end(), to);
   }
 }
 
+// `count` is a multiple of kFewLanes.
+constexpr std::size_t kLanes = 32, kFewLanes = 8;
+void reduceAxis(const Axis& axis, std::size_t count) {
+  std::size_t at = 0;
+  for (; at + kLanes <= count; at += kLanes) reduceLanes<kLanes>(axis, at);
+  for (; at < count; at += kFewLanes) reduceLanes<kFewLanes>(axis, at);
+}
+
 std::size_t paddedWidth(const glm::ivec3& grid) {
-  return static_cast<std::size_t>((grid.x + kLanes - 1) / kLanes * kLanes);
+  return (static_cast<std::size_t>(grid.x) + kFewLanes - 1) / kFewLanes * kFewLanes;
 }
 
 }  // namespace
@@ -87,23 +100,23 @@ std::vector<std::uint8_t> brickClearances(const SolidBits& bits, int threads) {
   const int height = grid.y * kBrickSide, depth = grid.z * kBrickSide;
   // bricks along x and y, voxels along z
   std::vector<Square> slices(slice * static_cast<std::size_t>(depth));
-  parallelFor(depth, grainOf(std::int64_t{grid.x} * height), threads,
-              [&](std::int64_t begin, std::int64_t end) {
-                // Beside the grid zeros, which let a search end.
-                std::vector<Square> rows(width * static_cast<std::size_t>(height));
-                for (auto z = static_cast<int>(begin); z < end; ++z) {
-                  for (int y = 0; y < height; ++y)
-                    gapsOfRow(bits, grid.x, y, z, rows.data() + width * static_cast<std::size_t>(y));
-                  reduceAxis(rows.data(), width, height, width,
-                             slices.data() + slice * static_cast<std::size_t>(z), width);
-                }
-              });
+  parallelFor(
+      depth, grainOf(std::int64_t{grid.x} * height), threads, [&](std::int64_t begin, std::int64_t end) {
+        // Beside the grid zeros, which let a search end.
+        std::vector<Square> rows(width * static_cast<std::size_t>(height));
+        for (auto z = static_cast<int>(begin); z < end; ++z) {
+          for (int y = 0; y < height; ++y)
+            gapsOfRow(bits, grid.x, y, z, rows.data() + width * static_cast<std::size_t>(y));
+          reduceAxis({rows.data(), width, height, slices.data() + slice * static_cast<std::size_t>(z), width},
+                     width);
+        }
+      });
   std::vector<std::uint8_t> clearances(denseCount(grid));
   parallelFor(
       grid.y, grainOf(std::int64_t{grid.x} * depth), threads, [&](std::int64_t begin, std::int64_t end) {
         std::vector<Square> best(width * static_cast<std::size_t>(grid.z));
         for (int y = static_cast<int>(begin); y < end; ++y) {
-          reduceAxis(slices.data() + width * static_cast<std::size_t>(y), slice, depth, width, best.data(),
+          reduceAxis({slices.data() + width * static_cast<std::size_t>(y), slice, depth, best.data(), width},
                      width);
           for (int z = 0; z < grid.z; ++z) {
             const Square* const line = best.data() + width * static_cast<std::size_t>(z);
@@ -118,9 +131,11 @@ std::vector<std::uint8_t> brickClearances(const SolidBits& bits, int threads) {
 }
 
 std::uint64_t brickClearanceBytes(const glm::ivec3& grid) {
-  return static_cast<std::uint64_t>(grid.z) *
-             (paddedWidth(grid) * static_cast<std::uint64_t>(grid.y) * kBrickSide * sizeof(Square)) +
-         denseCount(grid);
+  constexpr std::uint64_t kThreads =
+      8;  // which hold the rows of a slice each; more hold little beside the rest
+  const std::uint64_t row = paddedWidth(grid) * sizeof(Square),
+                      slice = row * static_cast<std::uint64_t>(grid.y);
+  return slice * kBrickSide * (static_cast<std::uint64_t>(grid.z) + kThreads) + denseCount(grid);
 }
 
 }  // namespace kelp::fields

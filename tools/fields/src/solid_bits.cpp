@@ -32,8 +32,8 @@ SolidBits::SolidBits(const glm::ivec3& size) : size_(size) {
   bits_.resize(wordsOf(size));
 }
 
-SolidBits::SolidBits(const Occupancy& occupancy, int threads) : SolidBits(occupancy.size) {
-  checkedVolume(occupancy.solid.size(), occupancy.size);
+SolidBits::SolidBits(const Occupancy& occupancy, int threads)
+    : SolidBits((checkedVolume(occupancy.solid.size(), occupancy.size), occupancy.size)) {
   const Kernels& kernels = fastKernels();
   parallelFor(size_.z, grainOf(std::int64_t{size_.x} * size_.y), threads,
               [&](std::int64_t begin, std::int64_t end) {

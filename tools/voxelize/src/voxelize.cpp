@@ -32,8 +32,8 @@
 namespace kelp::bake {
 namespace {
 
-// What made a voxel solid is forgotten: 1 for all of them. Answers how many were kKept. Eight at a time; few
-// hold any.
+// What made a voxel solid is forgotten: 1 for all of them. Answers how many were kKept. Few
+// groups of eight hold one.
 std::uint64_t settle(std::vector<std::uint8_t>& voxels, int threads) {
   static_assert(kEmpty == 0 && kInside == 1 && kKept == 2);
   constexpr std::uint64_t kOnes = 0x0101010101010101u;

@@ -43,8 +43,9 @@ struct Issue {
 // those of grids and pages of voxels come after all others, part by part. Returns the number of errors;
 // warnings do not count. Safe for hostile files. Memory: that of Pack::open, plus two grids of one part, the
 // shapes of their bricks and a page for each thread. If an allocation fails, that is an issue (kOutOfMemory).
-// threads: how many read pages, at least 1; with more than one, source and allocator are called from all of
-// them. `report` is called from this thread, and what it is told does not depend on their number.
+// threads: how many read pages of voxels and of distances, at least 1; with more than one, source and
+// allocator are called from all of them. `report` is called from this thread, and what it is told does not
+// depend on their number, unless an allocation fails.
 std::uint64_t verify(const Source& source, const Limits& limits,
                      void (*report)(void* user, const Issue& issue), void* user,
                      const Allocator& allocator = {}, int threads = 1);

@@ -47,11 +47,14 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
     if (part.fog_channels > 0) return part.voxels() * part.fog_channels * sizeof(std::uint16_t);
     return part.voxels() + part.surface_voxels * sizeof(SurfaceSample);
   };
+  const auto bitsOf = [](const PartSize& part) {
+    return static_cast<double>(fields::SolidBits::bytes(part.size));
+  };
   for (const PartSize& part : parts) {
     const double triangles = static_cast<double>(part.triangles),
                  analysing = triangles * kAnalysing + static_cast<double>(part.vertices) * kAnalysingVertex;
     if (part.triangles > 0) {
-      const double finding = std::max(part.voxels() / 8 + part.surface_voxels * kFinding,
+      const double finding = std::max(bitsOf(part) + part.surface_voxels * kFinding,
                                       part.surface_voxels * (sizeof(SurfaceSample) + kSampling));
       peak = std::max({peak, kept + analysing, kept + part.voxels() + analysing + part.scan_bytes,
                        kept + part.voxels() + triangles * kHierarchy + finding});
@@ -76,7 +79,7 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
         part.surface_bricks + std::max(0.0, part.solid_voxels / kBrickVoxels - 0.5 * part.surface_bricks);
     // The voxels become bits before anything else is made.
     peak =
-        std::max({peak, kept + part.voxels() / 8,
+        std::max({peak, kept + bitsOf(part),
                   kept - part.voxels() + part.surface_voxels * kLeveling +
                       static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks)))});
     // The level stays.

@@ -48,7 +48,7 @@ Cells cellsOf(const Polygon& polygon, int axis, int size) {
     low = std::min(low, polygon.at(i)[axis]);
     high = std::max(high, polygon.at(i)[axis]);
   }
-  // Whole numbers of what is not negative: std::floor and std::ceil are calls where a machine may be old.
+  // A cast truncates, which is floor for values that are not negative. Without SSE4.1 std::floor is a call.
   const auto within = [&](double place) { return std::clamp(place, 0.0, static_cast<double>(size)); };
   const int first = std::min(static_cast<int>(within(low)), size - 1);
   const auto whole = static_cast<int>(within(high));

@@ -106,7 +106,7 @@ class TriangleBvh::Builder {
     const Range all{0, static_cast<std::uint32_t>(items_.size())};
     bvh_.nodes_.assign(nodesOf(all.count()), emptyNode());
     std::vector<Branch> branches;
-    // As few nodes as give every thread some branches: their ranges are halved on this one.
+    // As few nodes as give every thread some branches: this thread halves their ranges alone.
     const auto shares = static_cast<std::uint32_t>(2 * threadCount(threads));
     const std::uint32_t upper = grow(0, all, std::max<std::uint32_t>(1024, all.count() / shares), &branches);
     std::uint32_t next = upper;

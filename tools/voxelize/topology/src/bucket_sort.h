@@ -11,14 +11,17 @@
 
 namespace kelp::bake {
 
-// What `make` makes, sorted by its vertex, then by `less`. make(take) calls take(vertex, item) for each item,
-// and is called twice by each thread, which keeps what belongs to its share of the vertices; vertices are
-// below `vertices`. In linear time where each vertex has few items: a comparing sort of all edges of a scan
-// takes several times as long. Fewer than 2^32 items.
+// What `make` makes, sorted by its vertex, then by `less`. make(take) calls take(vertex, item) for each item;
+// vertices are below `vertices`. Each thread has a share of the vertices, and looks at all items twice for
+// it: so more than a few threads gain nothing. In linear time where each vertex has few items: a comparing
+// sort of all edges of a scan takes several times as long. Fewer than 2^32 items. threads: 0 is one for each
+// core.
 template <class Item, class Make, class Less>
 std::vector<Item> sortedByVertex(std::size_t vertices, int threads, const Make& make, const Less& less) {
   constexpr std::size_t kFew = 1 << 16;  // vertices of a share, at least
-  const std::size_t shares = std::clamp<std::size_t>(vertices / kFew, 1, static_cast<std::size_t>(threads));
+  constexpr int kMostShares = 8;
+  const std::size_t shares = std::clamp<std::size_t>(
+      vertices / kFew, 1, static_cast<std::size_t>(std::clamp(threadCount(threads), 1, kMostShares)));
   const std::size_t share = (vertices + shares - 1) / shares;
   std::vector<std::uint32_t> end(vertices + 1, 0);  // of each vertex's items; at first where they begin
   const auto forEachShare = [&](const auto& body) {

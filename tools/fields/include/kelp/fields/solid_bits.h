@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Occupancy at a bit a voxel: an eighth of the memory, and 64 voxels at a time.
+// Occupancy at a bit a voxel: an eighth of the memory where rows are long, and 64 voxels at a time.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +12,9 @@ namespace kelp::fields {
 
 struct Occupancy;
 
-// Which voxels of a volume are solid. Rows are whole words, with empty margins, so that whoever looks around
-// a voxel need not ask where the volume ends. Reading is safe on any number of threads, and so is writing to
-// different rows.
+// Which voxels of a volume are solid. Rows are whole words, one of them an empty margin, so that code which
+// reads a voxel's neighbours needs no checks of bounds; a row takes 16 bytes at least. Reading is safe on any
+// number of threads, and so is writing to different rows.
 class SolidBits {
  public:
   static constexpr int kWordVoxels = 64;

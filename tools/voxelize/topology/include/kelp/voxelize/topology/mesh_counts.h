@@ -8,7 +8,7 @@
 
 namespace kelp::bake {
 
-// Counts the mesh as in the file. Takes 24 bytes per triangle while it runs.
+// Counts the mesh as in the file. Takes 24 bytes for each triangle and 8 for each vertex while it runs.
 MeshCounts countMesh(const TriangleSoup& soup, int threads = 1);
 // All of FillCounts except kept_voxels. `triangles`: of the mesh in the file.
 FillCounts countFill(const Topology& mesh, std::uint64_t triangles);
