@@ -100,6 +100,7 @@ void Asset::Impl::postpone(const Task& task, std::uint64_t reserved) {
   used_bytes.fetch_sub(reserved, std::memory_order_relaxed);
   (task.page == Task::kGrid ? task.level->stage : task.level->pages[task.page].stage) = Stage::kWaiting;
   ++waiting;
+  ++postponed;
 }
 
 // Nothing is left to do, except what was postponed: the next pump() tries that again.
@@ -224,8 +225,7 @@ Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
           ? task.level->load(pack, find(task.level->part, task.level->level + 1), options.allocator)
           : loadPage(task, memory);
   std::lock_guard lock(mutex);
-  const bool postponed = !done && done.error().code == ErrorCode::kNotYet;
-  if (postponed) {
+  if (!done && done.error().code == ErrorCode::kNotYet) {
     postpone(task, reserved);
   } else {
     finish(task, reserved, static_cast<bool>(done));
@@ -316,12 +316,16 @@ Result<bool> Asset::pump() { return impl_->pump(Impl::Wanted::kAsked); }
 
 Result<void> Asset::loadAll() {
   Impl& a = *impl_;
-  const auto ended = [&a] {
-    std::lock_guard lock(a.mutex);
-    return a.ended;
+  struct Counts {
+    std::uint64_t ended, postponed;
   };
+  const auto countsNow = [&a] {
+    std::lock_guard lock(a.mutex);
+    return Counts{a.ended, a.postponed};
+  };
+  const std::uint64_t postponed_before = countsNow().postponed;
   while (true) {
-    const std::uint64_t before = ended();
+    const std::uint64_t before = countsNow().ended;
     while (true) {
       const Result<bool> more = a.pump(Impl::Wanted::kAll);
       if (more && !*more) break;
@@ -329,8 +333,11 @@ Result<void> Asset::loadAll() {
     // Nothing is left to load here. A grid that another thread was loading may have brought new pages.
     std::unique_lock lock(a.mutex);
     a.idle.wait(lock, [&a] { return a.in_hand == 0; });
-    if (a.some_waited || a.waiting > 0)
+    if (a.some_waited || a.waiting > 0) {
+      // What waits since before this call may have come: it is asked for first.
+      if (a.postponed == postponed_before) continue;
       return Error{ErrorCode::kNotYet, "the source has not got the rest yet"};
+    }
     if (a.anyDistancesOpen() || a.choose(Impl::Wanted::kAll, Impl::kAnySize).level) {
       if (a.ended != before) continue;
       return Error{ErrorCode::kLimit, "memory_budget is too small for all of the pack"};

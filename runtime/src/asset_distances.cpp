@@ -124,10 +124,11 @@ Result<Asset::Impl::Step> Asset::Impl::loadDistances() {
 
   std::lock_guard lock(mutex);
   DistanceState& level = *task.level;
-  const bool postponed = !done && done.error().code == ErrorCode::kNotYet;
-  setStage(task, done ? Stage::kResident : postponed ? Stage::kWaiting : Stage::kFailed);
-  waiting += postponed ? 1 : 0;
-  if (!done && !postponed)
+  const bool not_yet = !done && done.error().code == ErrorCode::kNotYet;
+  setStage(task, done ? Stage::kResident : not_yet ? Stage::kWaiting : Stage::kFailed);
+  waiting += not_yet ? 1 : 0;
+  postponed += not_yet ? 1 : 0;
+  if (!done && !not_yet)
     level.failure.store(static_cast<std::uint16_t>(done.error().code), std::memory_order_relaxed);
   if (task.page == Task::kGrid) {
     used_bytes.fetch_sub(done ? reserved - std::min(reserved, level.bytes()) : reserved,

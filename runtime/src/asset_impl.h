@@ -147,6 +147,7 @@ struct Asset::Impl {
   std::uint64_t ended = 0;       // tasks that ended, with or without success
   std::uint32_t in_hand = 0;     // grids and pages that threads are loading now
   std::uint32_t waiting = 0;     // of stage kWaiting
+  std::uint64_t postponed = 0;   // how often the source had not got something
   bool some_waited = false;      // the last pass ended with things that the source had not got
   std::uint64_t passes = 0;      // that ended
   bool memory_short = false;     // something that is wanted did not fit into the budget

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <random>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "kelp/runtime/instance.h"
@@ -173,6 +174,35 @@ TEST(WaitingSource, WhatIsThereGoesOn) {
   half.hidden_to = 0;
   EXPECT_TRUE(waiting->loadAll());
   EXPECT_EQ(waiting->residentLevel(0), 0);
+}
+
+// While a caller reads, another ends the pass: what the first did not get stays behind, waiting. It is asked
+// for again before loadAll() says that the source has not got it.
+TEST(WaitingSource, WhatWaitedForAnotherCallerIsAskedForAgain) {
+  struct Once {
+    MemorySource memory{dustBytes()};
+    std::uint64_t page = ~std::uint64_t{0};
+    Asset* asset = nullptr;
+    bool asked = false;
+  } once;
+  const Source source{[](void* user, std::uint64_t offset, std::span<std::byte> out) {
+                        Once& self = *static_cast<Once*>(user);
+                        if (offset == self.page && !std::exchange(self.asked, true)) {
+                          while (*self.asset->pump()) continue;
+                          return Read::kNotYet;
+                        }
+                        const Source all = self.memory.source();
+                        return all.read(all.user, offset, out);
+                      },
+                      &once, dustBytes().size(), nullptr, nullptr};
+  const auto asset = Asset::open(source).value();
+  once.asset = asset.get();
+  while (!asset->level(0, 1)) ASSERT_TRUE(*asset->pump());
+  once.page = asset->level(0, 1)->pages[0].offset;
+  while (*asset->pump()) continue;
+  ASSERT_TRUE(once.asked);
+  EXPECT_TRUE(asset->loadAll());
+  EXPECT_EQ(asset->residentLevel(0), 0);
 }
 
 // Within a memory budget that everything exceeds, without a renderer: rays say what is wanted.
