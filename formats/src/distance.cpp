@@ -37,7 +37,8 @@ constexpr std::array<Eight, 256> kFromMiddle = [] {
   }
   return table;
 }();
-// The same to the nearest set voxel before them, by the number of empty ones between; kMaxReach: none is set.
+// Squared distances along x of eight voxels to a set voxel before them. The index is the number of empty
+// voxels between; kMaxReach stands for no set voxel.
 constexpr std::array<Eight, kMaxReach + 1> kFromBeside = [] {
   std::array<Eight, kMaxReach + 1> table{};
   for (int gap = 0; gap <= kMaxReach; ++gap)
