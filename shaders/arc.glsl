@@ -155,7 +155,7 @@ KELP_FN KelpAxis kelpAxis(float c, float s, float qd, float k, float w2) {
 }
 
 // How far along the ray x grows by `gap` while it goes towards `side`. Negative: it turns back before; with
-// `turned` it does not. shaders/README.md has the derivation.
+// `turned` it does not. shaders/METHOD.md has the derivation.
 KELP_FN float kelpAxisRoot(KelpAxis x, KelpArcStep here, float gap, float side, bool turned) {
   float gc = here.g * x.c;
   float gx = here.g * x.slope;

@@ -155,7 +155,7 @@ KelpToPart kelpToPart() {
 // How much of the sky a surface sees past the solid voxels of its instance, as very many rays of kelpVisible
 // would measure it, from distances at 14 points up to `reach` (world) away: three along each of four
 // directions, two along the normal. A distance as large as it can be leaves the whole cone around a direction
-// free. shaders/README.md tells where the numbers come from.
+// free. The numbers fit 256 rays at six models (shaders/METHOD.md).
 float kelpOcclusion(KelpSurface s, float reach) {
   const float kHeights[5] = float[5](0.07, 0.2, 0.5, 0.1, 0.4);
   vec3 across = normalize(abs(s.normal.y) < 0.9 ? vec3(s.normal.z, 0.0, -s.normal.x)

@@ -7,7 +7,7 @@
 // not mixed; there are no swizzles; fields are assigned one by one.
 //
 // Method: Groen et al., "Spline Based Shell Mapping for Smooth Voxel Deformation". Two things differ; the
-// reasons are in shaders/README.md:
+// reasons are in shaders/METHOD.md:
 //   - The paper marches in world space and solves a cubic for each sample. Here the ray is mapped once for
 //     each half of a spline segment. It becomes a cubic curve q(b) in the volume; a sample costs three
 //     multiply-adds.

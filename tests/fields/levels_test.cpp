@@ -241,7 +241,7 @@ void checkLevel(const RawLevel& level, const fields::Occupancy& occupancy,
   ASSERT_EQ(next, surface.size());
 }
 
-// The order of SPEC.md, by shortest, middle and longest reach, is the order of the cost.
+// The order of empty_boxes.h, by shortest, middle and longest reach, is the order of the cost.
 TEST(EmptyBoxes, TheSimpleOrderIsThatOfTheCost) {
   std::map<std::array<int, 3>, double> by_sorted;
   for (int code = 0; code < 64; ++code) {

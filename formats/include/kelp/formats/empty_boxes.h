@@ -1,6 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Empty boxes: how far a ray may go in empty space (formats/SPEC.md, 5.1.1). They are not stored: the
-// reader makes them of what it knows.
+// Empty boxes: how far a ray may go in empty space. They follow from which voxels are solid, so files do not
+// hold them: the reader makes them.
+//
+// The box of a code around an empty voxel holds the voxels whose distance from it along each axis is at most
+// that axis's reach: 0, 1, 3 or 7. Of all boxes without a solid voxel it is the one with the longest shortest
+// reach; among equals the longest middle reach, then the longest longest reach, then the lowest code. This
+// order is that of the mean steps of a ray (tests/fields/levels_test.cpp shows it). A page knows its own
+// bricks to the voxel, and those of other pages as far as the next coarser level: there a box ends up to one
+// voxel early.
+//
+// The box of an empty brick's cell holds the brick and as many bricks beyond it on each of the six sides, at
+// most 15. It grows in rounds, side by side, as long as the slab that a side would add holds no solid brick;
+// a side that is stopped once stays.
 #pragma once
 
 #include <array>
@@ -14,7 +25,7 @@
 
 namespace kelp {
 
-// Voxels around a brick on each side that matter to the boxes of its voxels: as far as a code reaches.
+// Voxels around a brick on each side that can change its boxes: a code reaches no farther.
 inline constexpr int kBoxReach = 7;
 inline constexpr int kBoxWindow = kBrickSide + 2 * kBoxReach;
 
@@ -24,12 +35,12 @@ struct BoxWindow {
   std::array<std::array<std::array<std::uint64_t, kBoxWindow>, 3>, 3> slices;
 };
 
-// Writes the codes of the empty voxels of the brick in the window's middle, the best of all boxes that hold
-// nothing solid of the window; leaves those of the solid ones alone. codes: the brick's 512.
+// Writes the codes of the empty voxels of the brick in the window's middle. Codes of solid voxels stay as
+// they are. codes: the brick's 512.
 void chooseBoxes(const BoxWindow& window, std::span<std::uint8_t, kBrickVoxels> codes);
 
-// Writes the boxes of the empty bricks into bits 0 to 23 of their cells, and leaves everything else alone.
-// cells: one a brick of the grid. False: no memory for 4 bytes a brick.
+// Writes the boxes of the empty bricks into bits 0 to 23 of their cells; all other bits stay as they are.
+// cells: one for each brick of the grid. Returns false if there is no memory for 4 bytes a brick.
 [[nodiscard]] bool growBoxes(std::span<std::uint32_t> cells, const glm::ivec3& grid,
                              const Allocator& allocator = {});
 
