@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The smallest honest host of kelp. samples/README.md lists the lines that are kelp's.
+// The smallest complete host of kelp.
 #define GL_GLEXT_PROTOTYPES
 #include <GLFW/glfw3.h>
 #include <atomic>

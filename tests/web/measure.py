@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Measures the page of samples/web; a test of nothing. Prints a table for samples/web/README.md.
+"""Measures the page of samples/web; a test of nothing. Prints a table for tests/bench/HISTORY.md.
 
     measure.py chromium|firefox PAGE_FOLDER KELP_RENDER PACK...
 
