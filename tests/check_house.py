@@ -77,11 +77,12 @@ PRODUCT = ("formats/", "shaders/", "runtime/", "tools/", "samples/")
 
 
 def tracked():
-    """The project's files, as git lists them. In a source archive, without git: all outside of build/."""
-    git = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], capture_output=True, text=True)
-    if git.returncode == 0:
-        listed = git.stdout.split("\n")
-    else:
+    """The project's files, as git lists them. In a source archive, or without git: all outside of build/."""
+    listed = None
+    if os.path.exists(".git") and shutil.which("git"):
+        git = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], capture_output=True, text=True)
+        listed = git.stdout.split("\n") if git.returncode == 0 else None
+    if listed is None:
         listed = [os.path.relpath(os.path.join(folder, name))
                   for folder, _, names in os.walk(".") for name in names
                   if not folder.startswith(("./build", "./.git", "./samples/out"))]

@@ -20,7 +20,7 @@ struct Baked {
 
 inline Baked bakeByProgram(const std::filesystem::path& path, const std::string& options = "") {
   Baked baked;
-  std::FILE* const pipe = ::popen(("'" KELP_BAKE_PROGRAM "' '" + path.string() + "' -o '" + path.string() +
+  std::FILE* const pipe = ::popen(("'" KELP_BAKE "' '" + path.string() + "' -o '" + path.string() +
                                    ".kelp' --progress none " + options + " 2>&1 >/dev/null")
                                       .c_str(),
                                   "r");

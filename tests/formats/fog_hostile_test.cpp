@@ -33,7 +33,7 @@ Reading readFog(const Bytes& bytes, const Limits& limits = {}) {
   return test::readAll(fogPack(), bytes, limits);
 }
 
-std::vector<Issue> issuesOf(const Bytes& bytes) {
+std::vector<Issue> fogIssuesOf(const Bytes& bytes) {
   std::vector<Issue> issues;
   MemorySource memory(bytes);
   verify(
@@ -45,14 +45,14 @@ std::vector<Issue> issuesOf(const Bytes& bytes) {
 
 // Whatever the reader refuses, verify must find too.
 template <std::size_t N>
-void expectAllRefused(const Lie (&lies)[N], const Bytes& bytes = fogBytes()) {
+void expectFogRefused(const Lie (&lies)[N], const Bytes& bytes = fogBytes()) {
   for (const Lie& lie : lies) {
     SCOPED_TRACE(lie.name);
     PackSurgeon surgeon(bytes);
     lie.tell(surgeon);
     const Bytes told = surgeon.build();
     test::expectRefused(readFog(told), told, lie.code);
-    const std::vector<Issue> issues = issuesOf(told);
+    const std::vector<Issue> issues = fogIssuesOf(told);
     EXPECT_TRUE(std::any_of(issues.begin(), issues.end(),
                             [](const Issue& issue) { return issue.severity == Severity::kError; }));
   }
@@ -66,7 +66,7 @@ void takeOut(PackSurgeon& s, std::string_view name) {
   s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find(name)));
 }
 
-const Lie kIndexLies[] = {
+const Lie kFogIndexLies[] = {
     {"FOGS missing", kCorrupt, [](PackSurgeon& s) { takeOut(s, "FOGS"); }},
     {"FOGS twice", kCorrupt,
      [](PackSurgeon& s) {
@@ -108,7 +108,7 @@ const Lie kIndexLies[] = {
 
 // Two records of 28 bytes at 4 and 32, the extinctions of smoke 0, smoke 1, flame 0 at 60, the two colours of
 // flame's ramp at 72.
-const Lie kTableLies[] = {
+const Lie kFogTableLies[] = {
     {"too short for a count", kCorrupt, [](PackSurgeon& s) { s.content("FOGS").resize(3); }},
     {"count 0", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 0, 0u); }},
     {"count 1", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 0, 1u); }},
@@ -166,7 +166,7 @@ const Lie kTableLies[] = {
 
 // Smoke 1 has two cells and one page of two bricks; its raw size is at 8 + 12, its number of bricks at 8
 // + 28.
-const Lie kLevelLies[] = {
+const Lie kFogLevelLies[] = {
     {"a brick fewer", kCorrupt, [](PackSurgeon& s) { s.content("GRID")[1] = std::byte{0}; }},
     {"a brick inside", kCorrupt, [](PackSurgeon& s) { s.content("GRID")[1] = std::byte{129}; }},
     {"a cell's byte is 130", kCorrupt, [](PackSurgeon& s) { s.content("GRID")[0] = std::byte{130}; }},
@@ -216,9 +216,9 @@ TEST(FogHostile, TheTinyPackItselfIsSound) {
   EXPECT_TRUE(readFog(surgeon.build()).equal);
 }
 
-TEST(FogHostile, LiesInTheIndexAreRefused) { expectAllRefused(kIndexLies); }
-TEST(FogHostile, LiesInTheTableAreRefused) { expectAllRefused(kTableLies); }
-TEST(FogHostile, LiesInLevelsAreRefused) { expectAllRefused(kLevelLies); }
+TEST(FogHostile, LiesInTheIndexAreRefused) { expectFogRefused(kFogIndexLies); }
+TEST(FogHostile, LiesInTheTableAreRefused) { expectFogRefused(kFogTableLies); }
+TEST(FogHostile, LiesInLevelsAreRefused) { expectFogRefused(kFogLevelLies); }
 
 TEST(FogHostile, ATableWithoutFogIsRefused) {
   const Lie superfluous[] = {
@@ -236,7 +236,7 @@ TEST(FogHostile, ATableWithoutFogIsRefused) {
          s.chunks.back().fourcc = PackSurgeon::fourcc("FOGB");
        }},
   };
-  expectAllRefused(superfluous, test::writeToMemory(test::makeTinyPack()));
+  expectFogRefused(superfluous, test::writeToMemory(test::makeTinyPack()));
 }
 
 TEST(FogHostile, EveryTruncationIsRefused) {
@@ -256,7 +256,7 @@ TEST(FogHostile, EveryChangedByteIsFoundByVerifyAndRefusedOrHarmlessToTheReader)
       changed[at] ^= static_cast<std::byte>(change);
       const Reading reading = readFog(changed);
       ASSERT_TRUE(reading.error || reading.equal) << at;
-      ASSERT_FALSE(issuesOf(changed).empty()) << at;
+      ASSERT_FALSE(fogIssuesOf(changed).empty()) << at;
     }
   }
 }
@@ -304,13 +304,13 @@ TEST(FogHostile, VerifyNamesWhatIsWrong) {
   for (const Case& c : cases) {
     PackSurgeon surgeon(fogBytes());
     c.tell(surgeon);
-    const std::vector<Issue> issues = issuesOf(surgeon.build());
+    const std::vector<Issue> issues = fogIssuesOf(surgeon.build());
     ASSERT_EQ(issues.size(), 1u);
     EXPECT_EQ(issues[0].id, c.id) << issues[0].error.detail;
     EXPECT_EQ(issues[0].part, c.part);
     EXPECT_EQ(issues[0].level, c.level);
   }
-  EXPECT_TRUE(issuesOf(fogBytes()).empty());
+  EXPECT_TRUE(fogIssuesOf(fogBytes()).empty());
 }
 
 }  // namespace

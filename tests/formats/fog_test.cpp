@@ -124,12 +124,12 @@ TEST(Fog, CodesAreTheNearestSquares) {
 }
 
 // A mistake, made in the tiny pack of fog: 0 is solid, 1 smoke of two levels, 2 flame with heat.
-struct Mistake {
+struct FogMistake {
   const char* name;
   void (*make)(RawPack& pack);
 };
 
-const Mistake kMistakes[] = {
+const FogMistake kFogMistakes[] = {
     {"a sample too few", [](RawPack& p) { p.parts[1].levels[0].density.pop_back(); }},
     {"a brick of samples too many",
      [](RawPack& p) { p.parts[1].levels[0].density.resize(p.parts[1].levels[0].density.size() + 729, 1); }},
@@ -175,7 +175,7 @@ const Mistake kMistakes[] = {
 };
 
 TEST(Fog, TheWriterRefusesEveryMistakeBeforeItWritesAByte) {
-  for (const Mistake& mistake : kMistakes) {
+  for (const FogMistake& mistake : kFogMistakes) {
     SCOPED_TRACE(mistake.name);
     RawPack pack = test::makeTinyFogPack();
     mistake.make(pack);

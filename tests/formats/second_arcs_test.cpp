@@ -16,13 +16,13 @@
 namespace kelp {
 namespace {
 
-constexpr glm::ivec3 kSize{64, 256, 52};
+constexpr glm::ivec3 kArcSize{64, 256, 52};
 
 std::string lineOf(const reference::SweepRig& rig, std::span<const glm::vec3> points) {
   std::ostringstream line;
   line.precision(9);
   const auto put = [&](const glm::vec3& v) { line << v.x << ' ' << v.y << ' ' << v.z << ' '; };
-  put(kSize);
+  put(kArcSize);
   line << rig.roll << ' ' << rig.knots.size() << ' ';
   for (const Knot& k : rig.knots) {
     line << k.at << ' ';
@@ -63,13 +63,14 @@ reference::SweepRig wildRig(std::mt19937& random) {
 
 TEST(SecondArcs, SweepsToTheSamePlacesAndRefusesTheSameRigs) {
   std::mt19937 random(3);
-  std::vector<reference::SweepRig> rigs = reference::namedSweeps(kSize);
-  for (unsigned i = 0; i < 60; ++i) rigs.push_back(reference::randomSweep(kSize, 1000 + i));
+  std::vector<reference::SweepRig> rigs = reference::namedSweeps(kArcSize);
+  for (unsigned i = 0; i < 60; ++i) rigs.push_back(reference::randomSweep(kArcSize, 1000 + i));
   for (int i = 0; i < 150; ++i) rigs.push_back(wildRig(random));
   std::vector<glm::vec3> points;
   for (int i = 0; i < 100; ++i) {
     const auto share = [&] { return static_cast<float>(random() % 10001) / 10000; };
-    points.push_back(glm::vec3(kSize) * glm::vec3(share(), i < 2 ? static_cast<float>(i) : share(), share()));
+    points.push_back(glm::vec3(kArcSize) *
+                     glm::vec3(share(), i < 2 ? static_cast<float>(i) : share(), share()));
   }
   std::string parts;
   for (const reference::SweepRig& rig : rigs) parts += lineOf(rig, points);
@@ -79,7 +80,7 @@ TEST(SecondArcs, SweepsToTheSamePlacesAndRefusesTheSameRigs) {
   int refused = 0;
   for (std::size_t r = 0; r < rigs.size(); ++r) {
     ArcChain chain{};
-    const Result<void> made = makeArcs(rigs[r].knots, kSize, rigs[r].roll, kArcTolerance, chain);
+    const Result<void> made = makeArcs(rigs[r].knots, kArcSize, rigs[r].roll, kArcTolerance, chain);
     ASSERT_EQ(bool(made), answers[r].rfind("refused", 0) != 0)
         << rigs[r].name << " " << r << ": " << (made ? answers[r] : made.error().detail);
     refused += made ? 0 : 1;
@@ -87,7 +88,7 @@ TEST(SecondArcs, SweepsToTheSamePlacesAndRefusesTheSameRigs) {
     for (std::size_t i = 0; made && i < points.size(); ++i) {
       glm::vec3 theirs{NAN};
       numbers >> theirs.x >> theirs.y >> theirs.z;
-      ASSERT_LT(glm::distance(sweepPoint(chain, kSize, points[i]), theirs), 2e-3f)
+      ASSERT_LT(glm::distance(sweepPoint(chain, kArcSize, points[i]), theirs), 2e-3f)
           << rigs[r].name << " " << r << ", point " << i;
     }
   }

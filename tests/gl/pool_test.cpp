@@ -13,7 +13,6 @@
 
 #include "residency.h"
 #include "support/fake_gl.h"
-#include "support/operations.h"
 
 namespace kelp::test {
 namespace {
@@ -128,23 +127,6 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
   EXPECT_GT(places, 1000);
   EXPECT_GT(evictions, 300);
   EXPECT_GT(refusals, 100);
-}
-
-// Twice the blocks take little more than twice the work; four times if each were found by a walk over those
-// before it.
-TEST_F(PoolTest, PlacesAreFoundWithoutAWalkOverAll) {
-  const auto operations = [this](std::uint64_t bytes) {
-    return operationsOf([&] {
-      Pool pool{Allocator{}};
-      EXPECT_TRUE(pool.create(api_, bytes));
-      ResidentLevel level;
-      for (std::uint32_t row = 1; row < pool.rows(); ++row)
-        EXPECT_TRUE(pool.findFree(1) == row && pool.take({row, 1, &level, row}));
-    });
-  };
-  const std::uint64_t few = operations(std::uint64_t{1} << 24);
-  EXPECT_GT(few, (std::uint64_t{1} << 24) / Pool::kRowBytes);
-  EXPECT_LT(operations(std::uint64_t{1} << 25), 2.5 * static_cast<double>(few));
 }
 
 // 262,144 blocks.

@@ -82,16 +82,15 @@ TEST_P(StreamingTest, TheFirstPictureTakesFewBytes) {
   RecordProperty("of", static_cast<int>(source.bytes().size()));
 }
 
-#ifdef KELP_BAKE_PROGRAM
+#ifdef KELP_BAKE
 TEST_P(StreamingTest, TheFirstPictureOfARealPackTakesFewBytes) {
   KELP_ASSET(bunny, "mesh/common3d/stanford-bunny.obj");
-  if (!std::filesystem::exists(KELP_BAKE_PROGRAM)) GTEST_SKIP() << "kelp-bake is not built";
+  if (!std::filesystem::exists(KELP_BAKE)) GTEST_SKIP() << "kelp-bake is not built";
   static const std::vector<std::byte> pack = [&] {
     const Scratch scratch;
     const std::string out = scratch / "bunny.kelp";
-    const std::string command = std::string("\"" KELP_BAKE_PROGRAM "\" \"") + bunny.string() + "\" -o \"" +
-                                out + "\" --resolution " + (test::kSanitized ? "256" : "512") +
-                                " --progress none";
+    const std::string command = std::string("\"" KELP_BAKE "\" \"") + bunny.string() + "\" -o \"" + out +
+                                "\" --resolution " + (test::kSanitized ? "256" : "512") + " --progress none";
     EXPECT_EQ(std::system((command + " 2> /dev/null").c_str()), 0) << command;
     std::ifstream file(out, std::ios::binary);
     const std::vector<char> chars((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());

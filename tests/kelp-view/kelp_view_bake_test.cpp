@@ -70,8 +70,7 @@ class Round : public ::testing::Test {
   // Bakes; the test fails if that does.
   std::string bake(const std::string& source, const std::string& name, std::vector<std::string> options) {
     const std::string pack = (scratch_ / name).string();
-    std::vector<std::string> words{KELP_BAKE_PROGRAM, source, "-o",         pack,
-                                   "--resolution",    "64",   "--progress", "none"};
+    std::vector<std::string> words{KELP_BAKE, source, "-o", pack, "--resolution", "64", "--progress", "none"};
     words.insert(words.end(), options.begin(), options.end());
     BakeJob job;
     EXPECT_EQ(job.start(words), "");

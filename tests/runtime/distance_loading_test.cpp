@@ -19,7 +19,7 @@ const RawPack& dustPack() {
   static const RawPack pack = test::distancePackOf(test::dust({96, 128, 96}, 200, 4));
   return pack;
 }
-const std::vector<std::byte>& dustBytes() {
+const std::vector<std::byte>& distanceBytes() {
   static const std::vector<std::byte> bytes = test::bytesOf(dustPack());
   return bytes;
 }
@@ -38,10 +38,10 @@ struct Watched {
                 const int read = self.reads++;
                 if (self.answer != Read::kDone && read % self.one_in == 0) return self.answer.load();
               }
-              std::memcpy(out.data(), dustBytes().data() + offset, out.size());
+              std::memcpy(out.data(), distanceBytes().data() + offset, out.size());
               return Read::kDone;
             },
-            this, dustBytes().size(), nullptr, nullptr};
+            this, distanceBytes().size(), nullptr, nullptr};
   }
 };
 
@@ -55,8 +55,8 @@ std::uint64_t distancesBegin(const Pack& pack) {
   return first;
 }
 Watched watchDistances() {
-  MemorySource memory(dustBytes());
-  return {distancesBegin(*Pack::open(memory.source())), dustBytes().size()};
+  MemorySource memory(distanceBytes());
+  return {distancesBegin(*Pack::open(memory.source())), distanceBytes().size()};
 }
 
 Options withDistances(int level = 0) {
@@ -93,7 +93,7 @@ TEST(DistanceLoading, NothingIsReadUnasked) {
 }
 
 TEST(DistanceLoading, HoldsWhatWasWritten) {
-  MemorySource source(dustBytes());
+  MemorySource source(distanceBytes());
   const int levels = Pack::open(source.source())->distanceLevels(0);
   for (const int finest : {0, 1, 3, levels - 1, levels + 5}) {
     const auto asset = Asset::open(source.source(), withDistances(finest)).value();
@@ -111,7 +111,7 @@ TEST(DistanceLoading, HoldsWhatWasWritten) {
 
 // After the coarsest voxels, before the finest; coarse to fine.
 TEST(DistanceLoading, ComesInOrder) {
-  MemorySource source(dustBytes());
+  MemorySource source(distanceBytes());
   const auto asset = Asset::open(source.source(), withDistances()).value();
   int finest = asset->pack().distanceLevels(0);
   while (*asset->pump()) {
@@ -129,7 +129,7 @@ TEST(DistanceLoading, ComesInOrder) {
 }
 
 TEST(DistanceLoading, StaysWithinTheBudget) {
-  MemorySource source(dustBytes());
+  MemorySource source(distanceBytes());
   const auto all = Asset::open(source.source(), withDistances()).value();
   ASSERT_TRUE(all->loadAll());
   std::set<int> seen;
@@ -194,7 +194,7 @@ TEST(DistanceLoading, FailsOnceAndTriesAgain) {
 }
 
 TEST(DistanceLoading, ADamagedPageLeavesTheOtherLevels) {
-  std::vector<std::byte> bytes = dustBytes();
+  std::vector<std::byte> bytes = distanceBytes();
   bytes[bytes.size() - 100] ^= std::byte{1};  // in the last page of level 0
   MemorySource source(bytes);
   const auto asset = Asset::open(source.source(), withDistances()).value();
@@ -206,7 +206,7 @@ TEST(DistanceLoading, ADamagedPageLeavesTheOtherLevels) {
 }
 
 TEST(DistanceLoading, AnyNumberOfThreadsMayPump) {
-  MemorySource source(dustBytes());
+  MemorySource source(distanceBytes());
   for (int repeat = 0; repeat < 5; ++repeat) {
     const auto asset = Asset::open(source.source(), withDistances()).value();
     std::vector<std::thread> threads;
@@ -223,7 +223,7 @@ TEST(DistanceLoading, AnyNumberOfThreadsMayPump) {
 }
 
 TEST(DistanceLoading, ShortMemoryIsAnErrorAndNothingLeaks) {
-  MemorySource source(dustBytes());
+  MemorySource source(distanceBytes());
   test::ShortMemory counted;
   Options options = withDistances();
   options.allocator = counted.allocator();

@@ -14,12 +14,12 @@
 namespace kelp::runtime {
 namespace {
 
-constexpr double kVoxel = 1.0 / 128;  // the column is 1 m high
+constexpr double kLeanVoxel = 1.0 / 128;  // the column is 1 m high
 // Half a voxel is what a lean needs; this is what rounding to float adds up to.
-constexpr double kTolerance = 0.01 * kVoxel;
-constexpr glm::vec3 kSide(0.8f, 0, -0.6f);
+constexpr double kTolerance = 0.01 * kLeanVoxel;
+constexpr glm::vec3 kLeanSide(0.8f, 0, -0.6f);
 
-glm::vec3 offsetOf(int degrees) { return std::tan(glm::radians(static_cast<float>(degrees))) * kSide; }
+glm::vec3 offsetOf(int degrees) { return std::tan(glm::radians(static_cast<float>(degrees))) * kLeanSide; }
 
 RawPack column(std::uint64_t automatic = 7) {
   RawPack pack =

@@ -10,7 +10,6 @@
 #include "kelp/runtime/asset.h"
 #include "kelp/streaming/page_access.h"
 #include "page_codec.h"
-#include "support/operations.h"
 #include "support/test_pack.h"
 
 namespace kelp::runtime {
@@ -96,77 +95,6 @@ struct Recorder {
             this, memory.source().size};
   }
 };
-
-std::unique_ptr<Asset> openWithin(MemorySource& source, std::uint64_t budget) {
-  Options options;
-  options.memory_budget = budget;
-  auto asset = Asset::open(source.source(), options);
-  EXPECT_TRUE(asset);
-  return *std::move(asset);
-}
-
-void pump(Asset& asset) {
-  while (*asset.pump()) {
-  }
-}
-
-// Operations of the runtime to bring levels of side^3 pages to memory.
-struct Cost {
-  double in_order = 0;  // all of them
-  double as_asked =
-      0;               // as a renderer asks: for every page in each round, the more urgently the nearer it is
-  double in_turn = 0;  // in memory for half of them: the last quarter comes in place of others
-};
-
-Cost costOf(std::uint32_t side) {
-  const Bytes bytes = onePagePerBrick(side);
-  MemorySource source(bytes);
-  Cost cost;
-  const auto whole = openWithin(source, std::uint64_t{1} << 30);
-  cost.in_order = static_cast<double>(test::operationsOf([&] { EXPECT_TRUE(whole->loadAll()); }));
-  EXPECT_EQ(whole->residentLevel(0), 0);
-
-  const auto asked = openWithin(source, std::uint64_t{1} << 30);
-  cost.as_asked = static_cast<double>(test::operationsOf([&] {
-    for (int round = 1; round <= 4; ++round) {
-      PageAccess::beginRequests(*asked);
-      PageAccess::request(*asked, 0, 0, static_cast<float>(round));
-      pump(*asked);
-      const auto pages = static_cast<std::uint32_t>(asked->level(0, 0)->pages.size());
-      for (std::uint32_t page = static_cast<std::uint32_t>(round) % 4; page < pages; page += 4)
-        (void)PageAccess::pin(*asked, 0, 0, page, static_cast<float>(round));
-      pump(*asked);
-    }
-  }));
-  EXPECT_EQ(asked->residentLevel(0), 0);
-
-  const auto half = openWithin(source, whole->memory() / 2);
-  EXPECT_FALSE(half->loadAll());
-  const auto pages = static_cast<std::uint32_t>(half->level(0, 0)->pages.size());
-  cost.in_turn = static_cast<double>(test::operationsOf([&] {
-    for (int round = 0; round < 20; ++round) {
-      PageAccess::beginRequests(*half);
-      for (std::uint32_t page = pages - pages / 4; page < pages; ++page)
-        (void)PageAccess::pin(*half, 0, 0, page, 1.0f);
-      pump(*half);
-    }
-  }));
-  EXPECT_LE(half->memory(), whole->memory() / 2);
-  EXPECT_TRUE(PageAccess::pin(*half, 0, 0, pages - 1, 1.0f));
-  return cost;
-}
-
-// In order, eight times the pages take some eight times the work; 64 times if each is found by a walk over
-// all. As asked, one walk finds many pages. In turn, each page that comes (a quarter of all) may cost a walk
-// over those in memory, but only once: in the rounds that follow, all that is asked for is there.
-TEST(ManyPages, TakeWorkInProportion) {
-  const Cost few = costOf(16), many = costOf(32);
-  const double pages = 32.0 * 32 * 32;
-  EXPECT_GT(few.in_order, 16 * 16 * 16);
-  EXPECT_LT(many.in_order, 12 * few.in_order);
-  EXPECT_LT(many.as_asked, pages * pages / 8);
-  EXPECT_LT(many.in_turn, 8 * pages * pages / 4);
-}
 
 TEST(ManyPages, ComeInOrder) {
   const Bytes bytes = onePagePerBrick(16);

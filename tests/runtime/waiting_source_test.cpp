@@ -19,7 +19,7 @@
 namespace kelp::runtime {
 namespace {
 
-const std::vector<std::byte>& dustBytes() {
+const std::vector<std::byte>& slowDustBytes() {
   static const std::vector<std::byte> bytes = test::bytesOf(test::packOf(test::dust({96, 128, 96}, 40, 4)));
   return bytes;
 }
@@ -103,7 +103,7 @@ TEST(WaitingSource, EverythingComesInAnyOrder) {
   Loaded truth(test::packOf(test::dust({96, 128, 96}, 40, 4)));
   for (unsigned seed = 0; seed < 12; ++seed) {
     SCOPED_TRACE(seed);
-    SlowSource slow(dustBytes(), seed, seed == 0 ? 0 : 1u << (seed % 6));
+    SlowSource slow(slowDustBytes(), seed, seed == 0 ? 0 : 1u << (seed % 6));
     const std::unique_ptr<Asset> asset = openSlowly(slow);
     ASSERT_TRUE(asset);
     int passes = 0;
@@ -127,7 +127,7 @@ TEST(WaitingSource, EverythingComesInAnyOrder) {
 
 // What has arrived is loaded although more urgent things have not, unless it is decoded with them.
 TEST(WaitingSource, WhatIsThereGoesOn) {
-  SlowSource slow(dustBytes(), 1, 1);
+  SlowSource slow(slowDustBytes(), 1, 1);
   slow.everything_is_there = true;
   const std::unique_ptr<Asset> asset = openSlowly(slow);
   ASSERT_TRUE(asset->loadAll());
@@ -147,7 +147,7 @@ TEST(WaitingSource, WhatIsThereGoesOn) {
                         const Source inner = self.all.source();
                         return inner.read(inner.user, offset, out);
                       },
-                      &half, dustBytes().size(), nullptr, nullptr};
+                      &half, slowDustBytes().size(), nullptr, nullptr};
   const auto waiting = Asset::open(source).value();
   const std::size_t before = slow.reads();
   for (int pass = 0; pass < 3; ++pass) {
@@ -180,7 +180,7 @@ TEST(WaitingSource, WhatIsThereGoesOn) {
 // for again before loadAll() says that the source has not got it.
 TEST(WaitingSource, WhatWaitedForAnotherCallerIsAskedForAgain) {
   struct Once {
-    MemorySource memory{dustBytes()};
+    MemorySource memory{slowDustBytes()};
     std::uint64_t page = ~std::uint64_t{0};
     Asset* asset = nullptr;
     bool asked = false;
@@ -194,7 +194,7 @@ TEST(WaitingSource, WhatWaitedForAnotherCallerIsAskedForAgain) {
                         const Source all = self.memory.source();
                         return all.read(all.user, offset, out);
                       },
-                      &once, dustBytes().size(), nullptr, nullptr};
+                      &once, slowDustBytes().size(), nullptr, nullptr};
   const auto asset = Asset::open(source).value();
   once.asset = asset.get();
   while (!asset->level(0, 1)) ASSERT_TRUE(*asset->pump());
@@ -208,7 +208,7 @@ TEST(WaitingSource, WhatWaitedForAnotherCallerIsAskedForAgain) {
 // Within a memory budget that everything exceeds, without a renderer: rays say what is wanted.
 TEST(WaitingSource, RaysBringWhatTheyNeedInLittleMemory) {
   Loaded truth(test::packOf(test::dust({96, 128, 96}, 40, 4)));
-  SlowSource slow(dustBytes(), 7, 5);
+  SlowSource slow(slowDustBytes(), 7, 5);
   Options options;
   options.memory_budget = truth.asset->memory() / 3;
   const std::unique_ptr<Asset> asset = openSlowly(slow, options);

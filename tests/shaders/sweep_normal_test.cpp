@@ -19,7 +19,7 @@ using glm::dvec3;
 using reference::SweepRig;
 
 constexpr double kDegree = std::numbers::pi / 180;
-const glm::ivec3 kSize(72, 256, 64);
+const glm::ivec3 kSweptSize(72, 256, 64);
 
 // A surface in the slice of one arc: a place, from the middle of the section, and the normal at rest.
 struct Surface {
@@ -30,7 +30,7 @@ struct Surface {
 class Swept {
  public:
   explicit Swept(const SweepRig& rig) : random_(7) {
-    EXPECT_TRUE(makeArcs(rig.knots, kSize, rig.roll, kArcTolerance, chain_)) << rig.name;
+    EXPECT_TRUE(makeArcs(rig.knots, kSweptSize, rig.roll, kArcTolerance, chain_)) << rig.name;
     arcs_ = reference::arcsAs<trace::KelpArc>(chain_);
     joints_ = reference::jointsAs<trace::KelpJoint>(chain_);
   }
@@ -39,7 +39,7 @@ class Swept {
   Surface any() {
     Surface s{static_cast<int>(random_() % arcs_.size()), dvec3(0), dvec3(0)};
     const double low = from(s).y, high = to(s).y;
-    s.place = {(unit() - 0.5) * kSize.x, low + (high - low) * unit(), (unit() - 0.5) * kSize.z};
+    s.place = {(unit() - 0.5) * kSweptSize.x, low + (high - low) * unit(), (unit() - 0.5) * kSweptSize.z};
     do s.normal = 2.0 * dvec3(unit(), unit(), unit()) - 1.0;
     while (glm::length(s.normal) > 1 || glm::length(s.normal) < 0.1);
     s.normal = glm::normalize(s.normal);
@@ -68,13 +68,14 @@ class Swept {
   // The inverse transpose of the derivative of the arc's map.
   dvec3 byDifferences(const Surface& s) const {
     const Arc& arc = chain_.arcs[s.arc];
-    const dvec3 rest = s.place + dvec3(0.5 * kSize.x, 0, 0.5 * kSize.z);
+    const dvec3 rest = s.place + dvec3(0.5 * kSweptSize.x, 0, 0.5 * kSweptSize.z);
     glm::dmat3 derivative;
     for (int axis = 0; axis < 3; ++axis) {
       dvec3 step(0);
       step[axis] = 1e-3;
       derivative[axis] =
-          (reference::swept(arc, kSize, rest + step) - reference::swept(arc, kSize, rest - step)) / 2e-3;
+          (reference::swept(arc, kSweptSize, rest + step) - reference::swept(arc, kSweptSize, rest - step)) /
+          2e-3;
     }
     return glm::normalize(glm::transpose(glm::inverse(derivative)) * s.normal);
   }
@@ -101,8 +102,8 @@ double angle(const dvec3& a, const dvec3& b) {
 }
 
 std::vector<SweepRig> rigs() {
-  std::vector<SweepRig> all = reference::namedSweeps(kSize);
-  for (unsigned seed = 0; seed < 100; ++seed) all.push_back(reference::randomSweep(kSize, seed));
+  std::vector<SweepRig> all = reference::namedSweeps(kSweptSize);
+  for (unsigned seed = 0; seed < 100; ++seed) all.push_back(reference::randomSweep(kSweptSize, seed));
   return all;
 }
 
@@ -129,10 +130,10 @@ double meanOff(const SweepRig& rig) {
 }
 
 TEST(SweepNormals, AsDrawnAreNearThoseOfTheArcs) {
-  for (const SweepRig& rig : reference::namedSweeps(kSize)) EXPECT_LT(meanOff(rig), kDegree) << rig.name;
+  for (const SweepRig& rig : reference::namedSweeps(kSweptSize)) EXPECT_LT(meanOff(rig), kDegree) << rig.name;
   double sum = 0;
   for (unsigned seed = 0; seed < 100; ++seed) {
-    const double off = meanOff(reference::randomSweep(kSize, seed));
+    const double off = meanOff(reference::randomSweep(kSweptSize, seed));
     EXPECT_LT(off, 1.5 * kDegree) << seed;
     sum += off;
   }

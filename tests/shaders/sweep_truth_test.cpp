@@ -13,12 +13,12 @@ namespace {
 using reference::SweepTally;
 using reference::TrialVolume;
 
-constexpr int kRays = test::shareOf(11000);  // of each rig
+constexpr int kSweptRays = test::shareOf(11000);  // of each rig
 
 // A share of them without KELP_ALL_TESTS, in the volumes that take longest.
-int someOf(int rays) { return test::allTests() ? rays : (rays + 2) / 3; }
+int someSwept(int rays) { return test::allTests() ? rays : (rays + 2) / 3; }
 
-void expectExact(const TrialVolume& volume, int randoms, int rays = kRays) {
+void expectExactSweeps(const TrialVolume& volume, int randoms, int rays = kSweptRays) {
   SweepTally all;
   unsigned seed = 1;
   for (const auto& rig : reference::namedSweeps(volume.size))
@@ -37,17 +37,18 @@ void expectExact(const TrialVolume& volume, int randoms, int rays = kRays) {
 }
 
 TEST(SweepTruth, ClumpAt256) {
-  expectExact(reference::wholeVolume("clump", test::ballClump({72, 256, 64}, 30, 1)), 34);
+  expectExactSweeps(reference::wholeVolume("clump", test::ballClump({72, 256, 64}, 30, 1)), 34);
 }
 TEST(SweepTruth, NoiseAt256) {
-  expectExact(reference::wholeVolume("noise", test::dust({70, 256, 61}, 300, 2)), 33);
+  expectExactSweeps(reference::wholeVolume("noise", test::dust({70, 256, 61}, 300, 2)), 33);
 }
 TEST(SweepTruth, NoiseAt512) {
-  expectExact(reference::wholeVolume("noise", test::dust({140, 512, 101}, 300, 4)), 33, someOf(kRays));
+  expectExactSweeps(reference::wholeVolume("noise", test::dust({140, 512, 101}, 300, 4)), 33,
+                    someSwept(kSweptRays));
 }
 TEST(SweepTruth, VirtualAt2048) {
-  expectExact(reference::tiledVolume("virtual", test::dust({64, 64, 64}, 3000, 5), {512, 2048, 448}), 10,
-              someOf(kRays));
+  expectExactSweeps(reference::tiledVolume("virtual", test::dust({64, 64, 64}, 3000, 5), {512, 2048, 448}),
+                    10, someSwept(kSweptRays));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 
 using test::voxelizeUnit;
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 
 glm::dvec3 centreOf(const bake::VoxelGrid& grid, std::uint64_t index) {
   const std::uint64_t x = static_cast<std::uint64_t>(grid.size.x),
@@ -34,7 +34,7 @@ double meanNormalError(const bake::VoxelGrid& grid,
   double sum = 0;
   for (const bake::SurfaceSample& sample : grid.surface) {
     const glm::dvec3 node(grid.to_node * glm::vec4(glm::vec3(centreOf(grid, sample.index)), 1.0f));
-    sum += std::acos(std::min(1.0, glm::dot(glm::dvec3(sample.normal), exact(node)))) * 180.0 / kPi;
+    sum += std::acos(std::min(1.0, glm::dot(glm::dvec3(sample.normal), exact(node)))) * 180.0 / kHalfTurn;
   }
   return sum / static_cast<double>(grid.surface.size());
 }
@@ -47,7 +47,7 @@ TEST(Voxelize, SphereHasItsVolumeAndItsNormals) {
   EXPECT_EQ(baked.grid().size, glm::ivec3(kSide));
   EXPECT_TRUE(baked.result.closed);
   EXPECT_EQ(baked.result.fill, "solid: 1 of 1 component closed");
-  const double volume = kPi / 6.0 * kSide * kSide * kSide;
+  const double volume = kHalfTurn / 6.0 * kSide * kSide * kSide;
   EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.005 * volume);
   EXPECT_LT(meanNormalError(baked.grid(),
                             [](const glm::dvec3& p) { return glm::normalize(p - glm::dvec3(3, -7, 11)); }),
@@ -60,7 +60,7 @@ TEST(Voxelize, TorusHasItsVolumeAndItsNormals) {
   test::addTorus(soup, kRing, kTube, 300);
   const test::Baked baked = voxelizeUnit(test::makeModel(soup));
   EXPECT_EQ(baked.grid().size, 2 * glm::ivec3(kRing + kTube, kTube, kRing + kTube));
-  const double volume = 2.0 * kPi * kPi * kRing * kTube * kTube;
+  const double volume = 2.0 * kHalfTurn * kHalfTurn * kRing * kTube * kTube;
   EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.005 * volume);
   const auto exact = [](const glm::dvec3& p) {
     return glm::normalize(p - double{kRing} * glm::normalize(glm::dvec3(p.x, 0, p.z)));
@@ -249,8 +249,8 @@ TEST(Voxelize, HolesAreCapped) {
   const test::Baked baked = voxelizeUnit(test::makeModel(soup));
   EXPECT_FALSE(baked.result.closed);
   EXPECT_NE(baked.result.fill.find("capped"), std::string::npos) << baked.result.fill;
-  const double h = 40.0 * (1.0 - std::sin(65.0 * kPi / 180.0));
-  const double volume = 4.0 / 3.0 * kPi * 40.0 * 40.0 * 40.0 - kPi * h * h * (40.0 - h / 3.0);
+  const double h = 40.0 * (1.0 - std::sin(65.0 * kHalfTurn / 180.0));
+  const double volume = 4.0 / 3.0 * kHalfTurn * 40.0 * 40.0 * 40.0 - kHalfTurn * h * h * (40.0 - h / 3.0);
   EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.01 * volume);
   // The cap is flat and faces down, though no triangle of the mesh is near.
   const int middle = baked.grid().size.x / 2;
@@ -336,8 +336,8 @@ TEST(Voxelize, FoldedSheetsShowTheSideThatWasMeant) {
       return glm::vec3(radius * std::cos(angle), y, radius * std::sin(angle));
     };
     for (int k = 0; k < 64; ++k) {
-      const float a = static_cast<float>(2 * kPi) * static_cast<float>(k) / 64,
-                  b = static_cast<float>(2 * kPi) * static_cast<float>((k + 1) % 64) / 64;
+      const float a = static_cast<float>(2 * kHalfTurn) * static_cast<float>(k) / 64,
+                  b = static_cast<float>(2 * kHalfTurn) * static_cast<float>((k + 1) % 64) / 64;
       const auto band = [&](float y0, float r0, float y1, float r1, bool outward) {
         const glm::vec3 p = point(a, r0, y0), q = point(b, r0, y0), r = point(a, r1, y1),
                         s = point(b, r1, y1);

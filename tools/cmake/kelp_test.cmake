@@ -3,30 +3,51 @@ include_guard(GLOBAL)
 find_package(GTest REQUIRED)
 include(GoogleTest)
 
-# kelp_add_test(NAME SOURCES ... DEPENDS ... [LABELS ...] [ENVIRONMENT name=value] [DRIVES]): one GoogleTest
-# program, every case a ctest entry. One that DRIVES another program computes nothing itself, so it is not
-# optimised: that would take longer than it runs. Built for another system, a program is one entry, because
-# its emulator takes longer to start than most cases to run. KELP_TEST_ARGUMENTS (preset web) leaves out what
-# cannot run there: cases that start threads of their own. Tests that need the shared assets use
-# tests/support/assets.h, which skips (and says so) where they are absent.
+# The tests of code that reads untrusted bytes: the target that builds them, and their label in ctest. Preset
+# asan builds and runs these alone.
+add_custom_target(untrusted)
+
+# kelp_untrusted(TEST... [NEEDS target...]): gives tests of scripts that label.
+function(kelp_untrusted)
+  cmake_parse_arguments(arg "" "" "NEEDS" ${ARGN})
+  set_property(TEST ${arg_UNPARSED_ARGUMENTS} APPEND PROPERTY LABELS untrusted)
+  if(arg_NEEDS)
+    add_dependencies(untrusted ${arg_NEEDS})
+  endif()
+endfunction()
+
+# kelp_add_test(NAME SOURCES ... DEPENDS ... [RUNS program...] [LABELS ...] [ENVIRONMENT name=value] [DRIVES]
+#               [UNTRUSTED]): one GoogleTest program, every case a ctest entry.
+# RUNS: programs of this build whose paths its sources know, kelp-dump's as KELP_DUMP.
+# DRIVES: it computes nothing itself, so it is not optimised: that would take longer than it runs.
+# Built for another system, a program is one entry, because its emulator takes longer to start than most cases
+# to run; KELP_TEST_ARGUMENTS (preset web) leaves out what cannot run there: cases that start threads.
 function(kelp_add_test name)
-  cmake_parse_arguments(arg "DRIVES" "ENVIRONMENT" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "DRIVES;UNTRUSTED" "ENVIRONMENT" "SOURCES;DEPENDS;RUNS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_DEPENDS} kelp_test_support GTest::gtest_main)
   kelp_target_defaults(${name})
   if(arg_DRIVES)
     target_compile_options(${name} PRIVATE -O0 -U_FORTIFY_SOURCE)
   endif()
+  foreach(program IN LISTS arg_RUNS)
+    string(MAKE_C_IDENTIFIER "${program}" macro)
+    string(TOUPPER "${macro}" macro)
+    target_compile_definitions(${name} PRIVATE ${macro}="$<TARGET_FILE:${program}>")
+    add_dependencies(${name} ${program})
+  endforeach()
   set(properties TIMEOUT 900)
+  if(arg_UNTRUSTED)
+    list(APPEND arg_LABELS untrusted)
+    add_dependencies(untrusted ${name})
+  endif()
   if(arg_LABELS)
     list(APPEND properties LABELS "${arg_LABELS}")
   endif()
   if(arg_ENVIRONMENT)
     list(APPEND properties ENVIRONMENT "${arg_ENVIRONMENT}")
   endif()
-  if("once" IN_LIST arg_LABELS AND CMAKE_CXX_FLAGS_DEV MATCHES "-fsanitize")  # not run, so not built
-    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
-  elseif(CMAKE_CROSSCOMPILING)
+  if(CMAKE_CROSSCOMPILING)
     add_test(NAME ${name} COMMAND ${name} ${KELP_TEST_ARGUMENTS})
     set_tests_properties(${name} PROPERTIES ${properties})
   else()
