@@ -35,8 +35,8 @@ struct Spline {
   dvec3 p0, p1, m0, m1;
 };
 
-struct Scene {
-  Scene(fields::Occupancy volume_, const test::FigurePose& pose)
+struct PaperScene {
+  PaperScene(fields::Occupancy volume_, const test::FigurePose& pose)
       : volume(std::move(volume_)), knots(test::figureKnots(pose)) {
     std::vector<std::uint32_t> squared(volume.solid.size());
     fields::squaredDistance(volume.solid, volume.size, squared, 1);
@@ -69,9 +69,9 @@ fields::Occupancy solidBox(const glm::ivec3& size) {
 struct Ray {
   glm::vec3 o, r;
 };
-class RayMaker {
+class PaperRays {
  public:
-  explicit RayMaker(const Scene& scene)
+  explicit PaperRays(const PaperScene& scene)
       : scene_(scene), spline_(test::inVoxels(scene.knots, static_cast<float>(scene.volume.size.y))) {}
   Ray operator()() {
     const dvec3 size(scene_.volume.size);
@@ -90,7 +90,7 @@ class RayMaker {
   double unit() { return std::uniform_real_distribution<double>(0, 1)(random_); }
 
  private:
-  const Scene& scene_;
+  const PaperScene& scene_;
   Spline spline_;
   std::mt19937 random_{17};
 };
@@ -139,7 +139,7 @@ TEST(Paper, CubicThatIsNoneIsSolvedAsWhatItIs) {
 
 TEST(Paper, MapIsTheInverseOfTheDeformation) {
   for (const auto& pose : test::kFigure6) {
-    const Scene scene(solidBox({40, 64, 48}), pose);
+    const PaperScene scene(solidBox({40, 64, 48}), pose);
     const Spline spline(test::inVoxels(scene.knots, static_cast<float>(scene.volume.size.y)));
     const dvec3 size(scene.volume.size);
     std::mt19937 random(5);
@@ -167,8 +167,8 @@ TEST(Paper, MapIsTheInverseOfTheDeformation) {
 
 TEST(Paper, EntryAndExitAreThoseOfTheDeformedBox) {
   for (const auto& pose : test::kFigure6) {
-    const Scene scene(solidBox({40, 64, 48}), pose);
-    RayMaker rays(scene);
+    const PaperScene scene(solidBox({40, 64, 48}), pose);
+    PaperRays rays(scene);
     const reference::Volume box = scene.truth();
     int compared = 0, wrong_entry = 0, wrong_exit = 0, lost = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -204,9 +204,9 @@ struct March {
 
 // march(context, o, r, s_max) -> PaperHit, judged as tests/bench does: at most a voxel behind the truth.
 template <class Function>
-March run(const Scene& scene, int count, Function&& march) {
+March run(const PaperScene& scene, int count, Function&& march) {
   March result;
-  RayMaker rays(scene);
+  PaperRays rays(scene);
   const reference::Volume truth = scene.truth();
   const float far = 4 * glm::length(scene.bounds.max - scene.bounds.min);
   for (int i = 0; i < count; ++i) {
@@ -227,7 +227,7 @@ March run(const Scene& scene, int count, Function&& march) {
 
 TEST(Paper, ConstantStepsFindAlmostEveryHit) {
   for (const auto& pose : test::kFigure6) {
-    const Scene scene(test::ballClump({96, 120, 72}, 24, 1), pose);
+    const PaperScene scene(test::ballClump({96, 120, 72}, 24, 1), pose);
     const March all = run(scene, 500, [](const auto& c, auto o, auto r, float far) {
       return paper::paperStandard(c, o, r, 0.0f, far);
     });
@@ -242,7 +242,7 @@ TEST(Paper, DistanceFieldStepsLessAndSkipsSome) {
   March at_rest;
   int missed = 0, missed_world = 0, owed = 0;
   for (const auto& pose : test::kFigure6) {
-    const Scene scene(test::ballClump({96, 120, 72}, 24, 1), pose);
+    const PaperScene scene(test::ballClump({96, 120, 72}, 24, 1), pose);
     const auto constant = run(scene, 300, [](const auto& c, auto o, auto r, float far) {
       return paper::paperStandard(c, o, r, 0.0f, far);
     });
