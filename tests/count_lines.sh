@@ -9,7 +9,8 @@ count() {
   local folder=$1 what=$2 names=()
   shift 2
   for pattern in "$@"; do names+=(-o -name "$pattern"); done
-  find "$folder" -name build -prune -o -name out -prune -o -type f \( "${names[@]:1}" \) -exec cat {} + | wc "$what"
+  find "$folder" -name build -prune -o -name out -prune -o -type f \( "${names[@]:1}" \) -exec cat {} + |
+    wc "$what"
 }
 
 code=('*.cpp' '*.h' '*.hpp' '*.c' '*.glsl' '*.inl' '*.frag' '*.vert' '*.py' '*.sh' '*.js' '*.ts' '*.cmake'

@@ -2,7 +2,6 @@
 // Files made to do harm go through the program, whose child process holds what a library does with them.
 #pragma once
 
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -34,7 +33,6 @@ inline Baked bakeByProgram(const std::filesystem::path& path, const std::string&
 
 // Either a pack, or a refusal of one clamped line.
 inline Baked bakeHostile(const std::filesystem::path& path, const std::string& options) {
-  const auto start = std::chrono::steady_clock::now();
   const Baked baked = bakeByProgram(path, options);
   EXPECT_TRUE(baked.exit == 0 || baked.exit == 3 || baked.exit == 4 || baked.exit == 5 || baked.exit == 1)
       << baked.exit << baked.text;
@@ -42,7 +40,6 @@ inline Baked bakeHostile(const std::filesystem::path& path, const std::string& o
     EXPECT_LT(baked.text.size(), 6000u);
     EXPECT_EQ(baked.text.find('\n'), baked.text.size() - 1) << baked.text;
   }
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 30.0);
   return baked;
 }
 

@@ -193,11 +193,9 @@ class Dump(Case):
                 self.assertEqual(result.returncode, 0, result.stderr.decode())
 
     def test_pipes_and_devices_that_bring_nothing(self):
-        start = time.monotonic()
         self.tells(self.sh("mkfifo p; $kelp_dump info p"), 2, "p: ", "nobody writes to this pipe")
         self.tells(self.sh("mkfifo r; $kelp_dump rig tiny.kelp --part 0 --set r -o o.kelp"), 2, "r: ",
                    "nobody writes to this pipe")
-        self.assertLess(time.monotonic() - start, 10)
         self.tells(self.sh("$kelp_dump info <(true)"), 3, "not a .kelp pack")
         for device in ("/dev/null", "/dev/zero"):
             self.tells(self.sh("$kelp_dump info " + device), 2, "is a device", "- for standard input")
