@@ -22,7 +22,7 @@ baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-
        make)  # tests only: it reads the rules of kelp-bake -MD
 samples=(libglfw3-dev libsdl2-dev libimgui-dev xvfb xauth libxtst6)
 format=(clang-format)  # tests/check_house.py
-shells=(zsh fish groff-base mandoc man-db desktop-file-utils shared-mime-info libglib2.0-bin)  # tests/install
+manual=(groff-base mandoc man-db desktop-file-utils shared-mime-info libglib2.0-bin)  # tests/install
 sanitizers=(clang libclang-rt-14-dev lld llvm)
 lint=(clang-tidy cppcheck)
 farm=(snakemake slurm-wlm munge)
@@ -32,8 +32,7 @@ pictures=(webp)  # img2webp
 case "${1:-all}" in
   all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;
   tests)
-    packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${format[@]}" "${shells[@]}"
-              "${pictures[@]}") ;;
+    packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${format[@]}" "${manual[@]}") ;;
   sanitizers) packages=("${build[@]}" "${sanitizers[@]}") ;;
   runtime) packages=("${build[@]}" "${runtime[@]}") ;;
   lint) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${lint[@]}") ;;

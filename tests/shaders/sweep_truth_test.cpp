@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Half a million rays through swept parts, in nine named poses and in random ones: no owed hit missed, no
-// hit invented. The words are those of reference/judge.h.
+// Rays through swept parts (with KELP_ALL_TESTS half a million), in nine named poses and in random ones: no
+// owed hit missed, no hit invented. The words are those of reference/judge.h.
 #include <gtest/gtest.h>
 
 #include "reference/sweep_trials.h"
@@ -13,12 +13,10 @@ namespace {
 using reference::SweepTally;
 using reference::TrialVolume;
 
-constexpr int kSweptRays = test::shareOf(11000);  // of each rig
+int sweptRays() { return test::allTests() ? 11000 : 2200; }       // of each rig
+int fewerSweptRays() { return test::allTests() ? 11000 : 1100; }  // in the volumes that take longest
 
-// A share of them without KELP_ALL_TESTS, in the volumes that take longest.
-int someSwept(int rays) { return test::allTests() ? rays : (rays + 2) / 3; }
-
-void expectExactSweeps(const TrialVolume& volume, int randoms, int rays = kSweptRays) {
+void expectExactSweeps(const TrialVolume& volume, int randoms, int rays = sweptRays()) {
   SweepTally all;
   unsigned seed = 1;
   for (const auto& rig : reference::namedSweeps(volume.size))
@@ -44,11 +42,11 @@ TEST(SweepTruth, NoiseAt256) {
 }
 TEST(SweepTruth, NoiseAt512) {
   expectExactSweeps(reference::wholeVolume("noise", test::dust({140, 512, 101}, 300, 4)), 33,
-                    someSwept(kSweptRays));
+                    fewerSweptRays());
 }
 TEST(SweepTruth, VirtualAt2048) {
   expectExactSweeps(reference::tiledVolume("virtual", test::dust({64, 64, 64}, 3000, 5), {512, 2048, 448}),
-                    10, someSwept(kSweptRays));
+                    10, fewerSweptRays());
 }
 
 }  // namespace
