@@ -81,8 +81,8 @@ INSTANTIATE_TEST_SUITE_P(Eighth, ExhaustiveBytes, testing::Range(0, 8));
 
 TEST_P(ExhaustiveBytes, AnyOtherValueIsRefusedOrHarmless) {
   Bytes bytes = specimenBytes();
-  // Without KELP_ALL_TESTS an eighth of the values, others at each byte.
-  const unsigned step = test::allTests() && !test::kSanitized ? 1 : 8;
+  // Without KELP_ALL_TESTS a sixteenth of the values, others at each byte.
+  const unsigned step = test::allTests() && !test::kSanitized ? 1 : 16;
   std::size_t tried = 0, harmless = 0;
   for (std::size_t at = static_cast<std::size_t>(GetParam()); at < bytes.size(); at += 8) {
     const std::byte right = bytes[at];
@@ -146,7 +146,7 @@ TEST(Exhaustive, EveryByteBehindTheChecksums) {
   std::size_t refused = 0, other = 0;
   for (std::size_t c = 0; c < sound.chunks.size(); ++c) {
     for (std::size_t at = 0; at < sound.chunks[c].content.size(); ++at) {
-      for (const unsigned change : {0x01u, 0x10u, 0x80u, 0x7fu, 0xffu}) {
+      for (const unsigned change : {0x01u, 0x80u, 0xffu}) {
         PackSurgeon surgeon = sound;
         surgeon.chunks[c].content[at] ^= static_cast<std::byte>(change);
         const Bytes bytes = surgeon.build();
