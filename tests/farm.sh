@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Bakes 200 assets with the workflow of samples/farm: on this machine, and on a Slurm of this machine alone,
-# where one job is killed midway and another is cancelled. The packs must be those of one kelp-bake, byte for
+# Bakes a table with the workflow of samples/farm: on this machine, and on a Slurm of this machine alone,
+# where one job is killed midway and another is cancelled. The packs must be those of kelp-bake, byte for
 # byte. Opt-in: takes minutes; tests/run.sh does not need it.
 #   tests/farm.sh [KELP_BAKE]   default: build/dev/bin/kelp-bake, built if it is missing
 set -euo pipefail

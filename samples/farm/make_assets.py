@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Writes small models of five kinds, and the manifest that bakes them: something for a farm to work on. Needs
+"""Writes small models of five kinds, and the table that bakes them: something for a farm to work on. Needs
 nothing but Python 3."""
 import argparse
 import json
@@ -115,50 +115,38 @@ def write(folder, name, content):
     path = os.path.join(folder, name)
     os.makedirs(os.path.dirname(path), exist_ok=True)
     with open(path, "wb") as file:
-        file.write(json.dumps(content, indent=2).encode() + b"\n" if isinstance(content, dict) else content)
+        file.write(content)
 
 
-def asset(seed, kind):
-    """What the manifest says of a model; of many nothing but the name."""
-    name = "lump%03d.%s" % (seed, kind)
-    options = [{}, {"resolution": 24 + seed % 9}, {"rig": "sway"}, {"fill": "surface"},
-               {"pad": 1, "keep-materials": True}, {"up": "+z", "unit": "cm"},
-               {"voxel-size": 0.08}][seed // len(KINDS) % 7]
+def options(seed, kind):
     if kind == "vox":
-        options = {key: value for key, value in options.items() if key in ("rig", "pad", "up")}
-    return {"input": name, **options} if options else name
+        return ["", "--pad 1", "--up +z", "--rig sway"][seed // len(KINDS) % 4]
+    more = ["--resolution 28", "--resolution %d" % (24 + seed % 9), "--resolution 28 --rig sway",
+            "--resolution 28 --fill surface", "--resolution 28 --pad 1 --keep-materials",
+            "--resolution 28 --up +z --unit cm", "--voxel-size 0.08"]
+    return more[seed // len(KINDS) % len(more)]
 
 
 def make(folder, count):
-    assets = {where: [] for where in FOLDERS.values()}
+    lines = ["input\tpack\toptions"]
     for seed in range(count):
         kind = KINDS[seed % len(KINDS)]
-        where = FOLDERS[kind]
+        stem = "%s/lump%03d" % (FOLDERS[kind], seed)
         content = {"obj": obj, "gltf": gltf, "ply": ply, "stl": stl, "vox": vox}[kind](seed)
         if kind == "gltf":
             content, binary = content
-            write(folder, "%s/lump%03d.bin" % (where, seed), binary)
-        write(folder, "%s/lump%03d.%s" % (where, seed, kind), content)
-        assets[where].append(asset(seed, kind))
+            write(folder, stem + ".bin", binary)
+        write(folder, stem + "." + kind, content)
+        lines.append("%s.%s\tpacks/%s.kelp\t%s" % (stem, kind, stem, options(seed, kind)))
     write(folder, "textured/skin.png", png())
     write(folder, "textured/skin.mtl", b"newmtl skin\nmap_Kd skin.png\n")
-    write(folder, "plain/plain.json",
-          {"output": "../packs/plain", "defaults": {"resolution": 28}, "assets": assets["plain"]})
-    write(folder, "painted/painted.json", {"output": "../packs/painted", "assets": assets["painted"]})
-    for listed in assets["textured"]:
-        if isinstance(listed, dict):
-            listed["input"] = "textured/" + listed["input"]
-    write(folder, "assets.json",
-          {"include": ["plain/plain.json", "painted/painted.json"], "output": "packs/textured",
-           "defaults": {"resolution": 32},
-                                  "assets": [listed if isinstance(listed, dict) else "textured/" + listed
-                                             for listed in assets["textured"]]})
+    write(folder, "assets.tsv", ("\n".join(lines) + "\n").encode())
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", metavar="FOLDER",
-                        help="is made if need be; the manifest is FOLDER/assets.json")
+                        help="is made if need be; the table is FOLDER/assets.tsv")
     parser.add_argument("--count", type=int, default=200, metavar="N",
                         help="of models, 5 to 999 (default 200)")
     arguments = parser.parse_args()

@@ -20,7 +20,7 @@ def main():
     run = lambda *arguments: json.loads(subprocess.run([dump, *arguments], stdout=subprocess.PIPE).stdout)
     schemas = {
         name: run("schema", name) for name
-              in ("info", "verify", "diff", "rig", "bake-report", "bake-batch", "bake-plan", "bake-progress")}
+              in ("info", "verify", "diff", "rig", "bake-report", "bake-progress")}
     schemas["all"] = run("schema")
     for name, schema in schemas.items():
         jsonschema.Draft202012Validator.check_schema(schema)

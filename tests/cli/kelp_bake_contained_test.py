@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Files whose readers crash, hang or fill the memory: only their own assets fail.
+"""Files whose readers crash, hang, fill the memory or take the child over.
 
 Usage: kelp_bake_contained_test.py KELP_BAKE LIBRARY [unittest options]
 LIBRARY is faulty_disk.cpp, which makes the opening of a file crash or hang."""
@@ -72,11 +72,6 @@ class Contained(Case):
         self.ends(self.start("write 1 crash", "1.obj", "-o", "out.kelp", "--resolution", "20"), 4,
                   "1.obj: the bake crashed (Aborted) after the file was read; ")
         self.assertEqual(self.read("out.kelp"), b"the pack that was there")
-        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj"]})
-        self.ends(self.start("write 1 crash", "--manifest", "m.json", "--report", "r.json"), 4,
-                  "1.obj: the bake crashed", "1 of 2 assets done: 1 baked")
-        self.assertEqual(
-            [asset["status"] for asset in json.loads(self.read("r.json"))["assets"]], ["failed", "baked"])
 
     def test_what_no_reader_does(self):
         """It is stopped there, on any thread, with the name of the call; and nothing has come of it."""
@@ -143,9 +138,7 @@ class Contained(Case):
         self.assertEqual(json.loads(self.read("r.json"))["containment"], {"landlock": 0, "seccomp": False})
 
     def test_messages_that_make_no_sense(self):
-        """Of a child that was taken over: they end its own bake, whatever their size or shape."""
-        self.write("m.json", {"defaults": {"resolution": 8}, "assets": ["1.obj", "2.obj"]})
-
+        """Of a child that was taken over: they end the bake, whatever their size or shape."""
         def little():
             if not SANITIZED:  # which takes much more, and would end
                 resource.setrlimit(resource.RLIMIT_DATA, (1 << 30, 1 << 30))
@@ -153,24 +146,19 @@ class Contained(Case):
         for deed in ("nested", "nested-less", "flat", "zeros", "ones", "nothing", "progress", "no-call",
                      "no-word"):
             with self.subTest(deed):
-                start = time.monotonic()
                 self.ends(
-                    self.start(deed + " 1.obj", "--manifest", "m.json", "--force", "--threads", "2",
-                               "--max-memory", "500M", first=little), 4,
-                    "1.obj: its bake says what makes no sense (", ") while the file was read; ",
-                    "1 of 2 assets done: 1 baked")
-                self.assertLess(time.monotonic() - start, 30)
+                    self.start(deed + " 1.obj", "1.obj", "-o", "out.kelp", "--resolution", "8", "--threads",
+                               "2", "--max-memory", "500M", first=little), 4,
+                    "1.obj: its bake says what makes no sense (", ") while the file was read; ")
 
     def test_text_without_end(self):
         """Of a gigabyte, one line tells."""
         for deed, words in (("throw", "1.obj: cannot be read: xxx"),
                             ("print", "1.obj: the bake crashed (Aborted) while the file was read; ")):
-            start = time.monotonic()
             text = self.ends(self.start(deed + " 1.obj", "1.obj", "-o", "out.kelp"),
                              3 if deed == "throw" else 4, words)
             self.assertEqual(text.count("\n"), 1)
             self.assertLess(text.count("x"), 1100)
-            self.assertLess(time.monotonic() - start, 30)
 
     @unittest.skipIf(SANITIZED, "a sanitizer ends a program that gets no memory")
     def test_memory_without_end(self):
@@ -185,14 +173,11 @@ class Contained(Case):
         self.assertEqual(self.read("out.kelp"), b"the pack that was there")
 
     def test_a_pack_of_something_else(self):
-        """It is sound, but says that it was made of another input: the cache would give it out for that."""
-        arguments = "-o", "out.kelp", "--resolution", "8", "--cache", "cache", "--report", "r.json"
+        """It is sound, but says that it was made of another input."""
         self.passes("1.obj", "-o", "other.kelp", "--resolution", "8")
-        self.ends(self.start("write 1 swap", "2.obj", *arguments), 4,
+        self.ends(self.start("write 1 swap", "2.obj", "-o", "out.kelp", "--resolution", "8"), 4,
                   "2.obj: its pack says that it was made of something else; ")
         self.assertFalse(os.path.exists(self.path("out.kelp")))
-        self.passes("1.obj", *arguments)
-        self.assertFalse(json.loads(self.read("r.json"))["cached"])
 
     def test_names_that_are_not_utf8(self):
         """INFO cannot spell them. The pack is made of them all the same."""
@@ -208,46 +193,28 @@ class Contained(Case):
                              "--max-import-time", "1"), 4,
                   "1.obj: its bake has not moved for 1 s after the file was read; ")
 
-    def test_a_batch_goes_on(self):
-        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj", "3.obj"]})
-        text = self.ends(
-            self.start("crash 2.obj", "--manifest", "m.json", "--report", "r.json"), 4,
-            "[2/3] 2.kelp: failed: m.json:1:", "2.obj: the bake crashed", "2 of 3 assets done: 2 baked")
-        report = json.loads(self.read("r.json"))["assets"]
-        self.assertEqual([asset["status"] for asset in report], ["baked", "failed", "baked"])
-        self.assertIn("the bake crashed", report[1]["error"])
-        self.ends(self.start("", "--manifest", "m.json"), 0, "3 of 3 assets done: 1 baked, 2 up to date")
+    def test_a_crash_as_json(self):
         process = self.start("crash 1.obj", "1.obj", "-o", "x.kelp", "--progress", "json")
         for line in process.communicate(timeout=60)[1].splitlines():
             last = json.loads(line)
         self.assertEqual((last["kind"], last["exit"]), ("error", 4))
-        self.assertNotIn("\x1b", text)
 
     def test_a_hang(self):
-        start = time.monotonic()
         self.ends(self.start("hang 2.obj", "2.obj", "-o", "out.kelp", "--max-import-time", "1"), 4,
                   "2.obj: reading it takes longer than 1 s; ", "--max-import-time")
-        self.assertLess(time.monotonic() - start, 20)
-        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj", "3.obj"]})
-        self.ends(self.start("hang 2.obj", "--manifest", "m.json", "--max-import-time", "1"), 4,
-                  "2.obj: reading it takes longer than 1 s; ", "2 of 3 assets done: 2 baked")
 
     def test_signals_while_it_hangs(self):
         for sent in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             process, child = self.hangs("hang 1.obj", "1.obj", "-o", "out.kelp")
-            start = time.monotonic()
             process.send_signal(sent)
             self.assertEqual(self.ends(process, 130), "kelp-bake: interrupted\n")
-            self.assertLess(time.monotonic() - start, 10)
             self.assertFalse(alive(child))
 
     def test_a_signal_that_the_bake_does_not_hear(self):
         """In a stage other than the import, too, that takes for ever."""
         process, child = self.hangs("write 1 hang", "1.obj", "-o", "out.kelp")
-        start = time.monotonic()
         process.send_signal(signal.SIGTERM)
         self.ends(process, 130, "kelp-bake: interrupted\n")
-        self.assertLess(time.monotonic() - start, 20)
         self.assertFalse(alive(child))
         self.assertFalse(os.path.exists(self.path("out.kelp")))
 
@@ -258,14 +225,11 @@ class Contained(Case):
             for wait in (0, 0.3):
                 with self.subTest(deed, wait=wait):
                     process, child = self.hangs(deed, "1.obj", "-o", "out.kelp")
-                    start = time.monotonic()
                     process.send_signal(signal.SIGTERM)
                     time.sleep(wait)
                     process.send_signal(signal.SIGTERM)
                     text = self.ends(process, 130)
                     self.assertEqual(text.splitlines()[-1], "kelp-bake: interrupted")
-                    if wait > 0:
-                        self.assertLess(time.monotonic() - start, 4)
                     deadline = time.monotonic() + 10
                     while alive(child) and time.monotonic() < deadline:
                         time.sleep(0.01)
@@ -313,12 +277,10 @@ class Contained(Case):
 
     def test_the_child_is_killed(self):
         """As the system does that runs out of memory."""
-        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj"]})
-        process, child = self.hangs("hang 1.obj", "--manifest", "m.json")
+        process, child = self.hangs("hang 1.obj", "1.obj", "-o", "out.kelp")
         os.kill(child, signal.SIGKILL)
         self.ends(
-            process, 4, "1.obj: the bake was killed while the file was read; most likely memory gave out",
-            "1 of 2 assets done: 1 baked")
+            process, 4, "1.obj: the bake was killed while the file was read; most likely memory gave out")
 
     def test_a_signal_that_is_blocked(self):
         """By who started the program."""
@@ -361,13 +323,11 @@ class Contained(Case):
 
     def test_no_bar_stays_behind_an_error(self):
         self.write("bad.obj", "f 1 2 3\n")
-        self.write("m.json", {"assets": ["bad.obj", "1.obj"]})
-        for arguments in (["bad.obj", "-o", "out.kelp"], ["--manifest", "m.json"]):
-            process = self.start("", *arguments, "--progress", "bar", "--resolution", "20")
-            text = process.communicate(timeout=60)[1].decode()
-            self.assertIn("\x1b[K", text)
-            for line in text.split("\n"):
-                self.assertNotRegex(line.split("\r\x1b[K")[-1], r"\[#*\.*\]", text)
+        process = self.start("", "bad.obj", "-o", "out.kelp", "--progress", "bar", "--resolution", "20")
+        text = process.communicate(timeout=60)[1].decode()
+        self.assertIn("\x1b[K", text)
+        for line in text.split("\n"):
+            self.assertNotRegex(line.split("\r\x1b[K")[-1], r"\[#*\.*\]", text)
 
 
 if __name__ == "__main__":

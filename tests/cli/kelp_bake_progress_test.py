@@ -58,13 +58,6 @@ class Progress(Case):
                     self.on_terminal("1.obj", "-o", "out.kelp", "--resolution", "60", columns=columns)):
                 self.assertLess(len(bar), max(columns, 2))
 
-    def test_a_bar_of_a_batch(self):
-        self.write("m.json", {"defaults": {"resolution": 40}, "assets": ["1.obj", "2.obj", "3.obj"]})
-        bars = self.bars(self.on_terminal("--manifest", "m.json"))
-        for start in ("[1/3] ", "[3/3] "):
-            self.assertTrue(any(bar.startswith(start) for bar in bars), bars)
-        self.assertTrue(any(re.search(r"; \d+:\d\d left of all$", bar) for bar in bars), bars)
-
     def test_silence_elsewhere(self):
         for arguments, kind in ((("--progress", "none"), "xterm"), ((), "dumb")):
             self.assertNotIn(
@@ -78,7 +71,7 @@ class Progress(Case):
         """Every line there is."""
         lines = [json.loads(line) for line in text.splitlines()]
         for line in lines:
-            self.assertIn(line["kind"], ("progress", "note", "detail", "warning", "error", "asset"))
+            self.assertIn(line["kind"], ("progress", "note", "detail", "warning", "error"))
             self.assertEqual("text" in line, line["kind"] != "progress")
         return lines
 
@@ -96,29 +89,14 @@ class Progress(Case):
             any(line["text"].startswith("wrote out.kelp: ") for line in lines if line["kind"] == "note"),
             lines)
         self.write("bad.obj", "f 1 2 3\n")
-        self.write("m.json",
-                   {"defaults": {"resolution": 20},
-                    "assets": ["1.obj", "open.obj", "bad.obj", {"input": "bad.obj", "output": "other.kelp"}]})
-        self.write("c.toml", 'progress = "json"')
-        code, lines = said("--manifest", "m.json", "--config", "c.toml")
-        self.assertEqual(code, 3)
-        assets = [(line["asset"], line["assets"], line["output"], line["status"], line["exit"])
-                  for line in lines if line["kind"] == "asset"]
-        self.assertEqual(assets, [(1, 4, "1.kelp", "baked", 0),
-                                  (2, 4, "open.kelp", "baked", 0),
-                                  (3, 4, "bad.kelp", "failed", 3),
-                                  (4, 4, "other.kelp", "failed", 3)])
-        self.assertEqual({line["asset"] for line in lines if line["kind"] == "warning"}, {2})
         for code, arguments in ((3, ["bad.obj", "-o", "x.kelp"]),
                                 (1, ["1.obj", "-o", "x.kelp", "--nonsense"]),
                                 (1, ["1.obj"]),
                                 (2, ["no\n.obj", "-o", "x.kelp"]),
-                                (2, ["--manifest", "no.json"]),
-                                (1, ["1.obj", "-o", "x.kelp", "--up", "q", "--pad", "-1"])):
+                                (1, ["1.obj", "-o", "x.kelp", "--up", "q"])):
             for style in (["--progress", "json"], ["--progress=json"]):
                 got, lines = said(*arguments, *style)
                 self.assertEqual((got, lines[-1]["kind"], lines[-1]["exit"]), (code, "error", code), lines)
-        self.assertEqual(lines[-1]["text"], "2 faults, and nothing was baked")
 
     def test_they_follow_the_schema(self):
         try:
@@ -130,11 +108,7 @@ class Progress(Case):
             schema = json.load(file)
         jsonschema.Draft202012Validator.check_schema(schema)
         self.write("bad.obj", "f 1 2 3\n")
-        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj", "bad.obj"]})
-        for arguments in (["--manifest", "m.json"],
-                          ["3.obj", "-o", "3.kelp"],
-                          ["bad.obj", "-o", "bad.kelp"],
-                          ["--manifest", "m.json"]):
+        for arguments in (["3.obj", "-o", "3.kelp"], ["bad.obj", "-o", "bad.kelp"]):
             for line in self.lines(self.bake(*arguments, "--progress", "json").stderr.decode()):
                 jsonschema.Draft202012Validator(schema).validate(line)
                 line.pop("done" if line["kind"] == "progress" else "text", None)
@@ -149,40 +123,12 @@ class Progress(Case):
             done[step["stage"]] = step["done"]
         self.assertLessEqual({"import", "voxelize", "palette", "levels", "write"}, set(done))
         self.assertEqual(done["write"], 1)
-        self.write(
-            "m.json",
-            {"defaults": {"resolution": 20}, "assets": [{"input": "1.obj", "output": 'a "b".kelp'}, "2.obj"]})
-        of_batch = steps(self.passes("--manifest", "m.json", "--progress", "json"))
-        self.assertEqual({(step["asset"], step["assets"], step["output"]) for step in of_batch},
-                         {(1, 2, 'a "b".kelp'), (2, 2, "2.kelp")})
-        self.assertTrue(all(("batch_seconds_left" in step) == (step["asset"] == 2) for step in of_batch))
-
-    def test_the_time_left_where_sizes_are_not_known_before(self):
-        """The time left comes from the assets that are done. It scales with the surface and with reading for
-        assets that give a resolution, and is the mean for the others. There is no figure until an asset of
-        each kind is done. It counts down while an asset is baked."""
-        kinds = [("resolution", 60), ("voxel-size", 0.5), ("voxel-size", 0.25), None, ("resolution", 30)]
-        assets = [{"input": "1.obj", "output": "%d.kelp" % i, **dict([kind] if kind else [])}
-                  for i, kind in enumerate(kinds)]
-        self.write("m.json", {"assets": assets})
-        text = self.passes("--manifest", "m.json", "--progress", "json", "--report", "report.json")
-        seconds = [asset["seconds"] for asset in json.loads(self.read("report.json"))["assets"]]
-        last = seconds[0] * (30 ** 2 + 64 ** 2) / (60 ** 2 + 64 ** 2)
-        known = [None, None, last + 2 * seconds[1], last + (seconds[1] + seconds[2]) / 2, last]
-        for step in (line for line in self.lines(text) if line["kind"] == "progress"):
-            expected = known[step["asset"] - 1]
-            if expected is None:
-                self.assertNotIn("batch_seconds_left", step)
-            else:
-                self.assertLessEqual(step["batch_seconds_left"], expected + 1e-6)
-                self.assertGreaterEqual(
-                    step["batch_seconds_left"], max(expected - seconds[step["asset"] - 1], 0) - 1e-6)
 
     def interrupt(self, arguments, signals=(signal.SIGINT, signal.SIGTERM, signal.SIGHUP)):
         """At any moment of a bake: 130, the old output and nothing else; or all done. Returns how many were
         cut short."""
         self.write("out.kelp", b"the pack that was there")
-        before = sorted(os.walk(self.folder))
+        before = sorted(os.listdir(self.folder))
         heard = lambda: [signal.signal(each, signal.SIG_DFL) for each in signals]
         start = time.monotonic()
         self.assertEqual(self.bake(*arguments, "-o", "whole.kelp").returncode, 0)
@@ -207,26 +153,13 @@ class Progress(Case):
             else:
                 self.assertEqual(self.read("out.kelp"), whole)
                 self.write("out.kelp", b"the pack that was there")
-            self.assertEqual(
-                [(where, sorted(folders),
-                  sorted(name for name in names if not name.endswith((".kelp-pack", ".kelp-names"))))
-                 for where, folders, names in sorted(os.walk(self.folder)) if "/cache" not in where],
-                [(where, sorted(folders), sorted(names)) for where, folders, names in before
-                 if "/cache" not in where])
-            self.assertEqual([name for where, _, names in os.walk(self.path("cache")) for name in names
-                              if name.endswith(".tmp")], [])
+            self.assertEqual(sorted(os.listdir(self.folder)), before)
         return cut
 
     def test_interrupted_at_any_moment(self):
         self.write("lump.obj", lump(40))
         self.assertGreater(
             self.interrupt(["lump.obj", "--resolution", "60" if SANITIZED else "150"]), TRIES // 4)
-
-    def test_interrupted_with_a_cache(self):
-        self.write("lump.obj", lump(20))
-        os.makedirs(self.path("cache"))
-        self.interrupt(["lump.obj", "--resolution", "40" if SANITIZED else "100", "--cache", "cache",
-                        "--cache-size", "1"])
 
 
 if __name__ == "__main__":

@@ -77,7 +77,6 @@ TEST_F(KelpBakeReport, ASoundCubeHasNothingToRepair) {
   EXPECT_EQ(part["solid_voxels"], 32 * 32 * 32);
   EXPECT_EQ(read["files"][0], json({{"name", path}, {"bytes", std::filesystem::file_size(path)}}));
   EXPECT_EQ(read["pack_bytes"], std::filesystem::file_size(folder_ / "out.kelp"));
-  EXPECT_FALSE(read["cached"]);
   double last = 0;
   for (const json& stage : read["stages"]) {
     EXPECT_GE(stage["peak_bytes"], last);
@@ -85,17 +84,6 @@ TEST_F(KelpBakeReport, ASoundCubeHasNothingToRepair) {
   }
   EXPECT_GT(last, 1e6);
   EXPECT_LT(last, read["estimated_bytes"].get<double>() * 8);  // whatever the libraries take
-}
-
-TEST_F(KelpBakeReport, APackFromTheCacheHasTheReportOfItsBake) {
-  const std::string path = write("cube.obj", objOf(kCube));
-  const std::vector<std::string> cache{"--cache", folder_ / "cache"};
-  json first = report(path, cache), second = report(path, cache);
-  EXPECT_FALSE(first["cached"]);
-  EXPECT_TRUE(second["cached"]);
-  for (json* read : {&first, &second})
-    for (const char* changes : {"cached", "seconds", "stages"}) read->erase(changes);
-  EXPECT_EQ(first, second);
 }
 
 TEST_F(KelpBakeReport, FaultsAreCounted) {

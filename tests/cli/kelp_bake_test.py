@@ -12,7 +12,6 @@ import signal
 import struct
 import subprocess
 import tempfile
-import time
 import unittest
 
 from kelp_bake_case import KELP_BAKE, SANITIZED, lump
@@ -183,6 +182,10 @@ class KelpBake(unittest.TestCase):
 
     def test_usage(self):
         self.fails(1, "--resolution", "128", says=["--help"])
+        self.fails(1, self.cube, says=["--output is required"])
+        self.fails(1, self.cube, "-o", self.out, "--resolution", "8", "--voxel-size", "1",
+                   says=["--resolution", "--voxel-size"])
+        self.fails(1, self.cube, "-o", self.out, "--up", "", says=["--up: is empty"])
         self.fails(1, self.cube, "-o", self.out, "--nonsense", says=["--nonsense"])
         self.fails(1, self.cube, "-o", self.out, "--parts", "all", says=["--parts all", "nodes"])
         self.fails(1, self.cube, "-o", self.out, "--parts", "nodes", says=["OBJ", "--parts nodes"])
@@ -217,6 +220,30 @@ class KelpBake(unittest.TestCase):
             self.fails(1, self.cube, "-o", self.out, "--resolution", number, says=["--resolution " + number])
         for number in ("-1", "inf", "-inf", "1e-300", "1e999", "-0"):
             self.fails(1, self.cube, "-o", self.out, "--voxel-size", number, says=["--voxel-size"])
+
+    def test_options_that_are_gone_name_what_to_use(self):
+        for words, instead in ((["--manifest", "m.json"], "samples/farm"),
+                               (["@models.txt", "-o", self.out], "samples/farm"),
+                               (["--manifest=m.json", "--plan"], "samples/farm"),
+                               ([self.cube, "-o", self.out, "--shard", "1/2"], "samples/farm"),
+                               ([self.cube, "-o", self.out, "--cache", "c"], "-MD"),
+                               ([self.cube, "-o", self.out, "--cache-size=1G"], "-MD"),
+                               ([self.cube, "-o", self.out, "--force"], "is gone"),
+                               ([self.cube, "-o", self.out, "--config", "c.toml"], "command line"),
+                               (["--print-config"], "--help")):
+            self.fails(1, *words, says=["is gone", instead])
+        self.write("@odd.obj", CUBE)
+        self.assertEqual(subprocess.run([KELP_BAKE, "./@odd.obj", "-o", "out.kelp", "--resolution", "4"],
+                                        cwd=self.folder.name, capture_output=True).returncode, 0)
+
+    def test_files_that_have_no_name_or_are_pipes(self):
+        os.mkfifo(self.path("pipe.obj"))
+        self.fails(2, self.path("pipe.obj"), "-o", self.out, says=["write it to a file first"])
+        self.fails(2, self.cube, "-o", self.out, "--rig", self.path("pipe.obj"),
+                   says=["write it to a file first"])
+        for words in (["-", "-o", self.out], [self.cube, "-o", "-"],
+                      [self.cube, "-o", self.out, "--report", "-"], [self.cube, "-o", self.out, "-MF", "-"]):
+            self.fails(1, *words, says=[" -: is no file"])
 
     def test_how_parts_bend(self):
         def baked(*arguments):
@@ -328,10 +355,8 @@ class KelpBake(unittest.TestCase):
                    says=["wild"])
 
     def test_memory_is_refused_before_the_work(self):
-        start = time.monotonic()
         self.fails(4, self.cube, "-o", self.out, "--resolution", "2048", "--max-memory", "64M",
                    says=["GiB", "64.0 MiB", "--max-memory"])
-        self.assertLess(time.monotonic() - start, 20)
 
     def test_the_resolution_that_is_said_to_fit_fits(self):
         refused = self.bake(

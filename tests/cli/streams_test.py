@@ -73,8 +73,6 @@ class EveryProgram(Case):
                          ("info --help", "schema", "info tiny.kelp", "verify tiny.kelp",
                           "diff tiny.kelp tiny.kelp", "rig tiny.kelp --part 0", "extract tiny.kelp --ply -",
                           "rig tiny.kelp --part 0 --set none -o -")]
-        if "kelp-bake" in PROGRAMS:
-            commands += ["$kelp_bake --print-config"]
         return commands
 
     def test_a_full_disk_and_a_closed_stream_are_told(self):
@@ -138,22 +136,6 @@ class EveryProgram(Case):
             with self.subTest(command):
                 self.assertEqual(self.sh("$kelp_dump %s 2>/dev/full >/dev/null" % command).returncode,
                                  self.sh("$kelp_dump %s >/dev/null" % command).returncode)
-
-    @unittest.skipUnless("kelp-bake" in PROGRAMS, "no kelp-bake")
-    def test_what_comes_through_pipes_is_of_the_working_folder(self):
-        manifest = '{"defaults": {"resolution": 8}, "assets": [{"input": "model.obj", "output": "p.kelp"}]}'
-        self.assertEqual(
-            self.sh(
-                "$kelp_bake --manifest <(echo '%s') -MD && make -nf p.kelp.d p.kelp" % manifest).returncode,
-            0)
-        self.assertEqual(self.sh("echo '%s' | $kelp_bake --manifest - -MD --force && make -nf p.kelp.d p.kelp"
-                                 % manifest).returncode, 0)
-        self.assertEqual(self.sh("$kelp_bake @<(printf '\\xef\\xbb\\xbfmodel.obj --resolution 8\\n') -o . "
-                                 "-MD && make -nf model.kelp.d ./model.kelp model.kelp").returncode, 0)
-        self.write("r.rig.json", '{"kelp": 1, "axis": "+y", "knots": [{"at": 0}, {"at": 1}]}')
-        self.assertEqual(self.sh("$kelp_bake model.obj -o c.kelp --config <(echo 'rig = \"r.rig.json\"') "
-                                 "--resolution 8").returncode, 0)
-
 
 @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
 class Dump(Case):

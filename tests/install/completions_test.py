@@ -124,8 +124,6 @@ class Completions(unittest.TestCase):
             self.assertEqual(self.kinds("kelp-bake", ""), MODELS)
             self.assertEqual(self.kinds("kelp-bake", "-o", ""), {"kelp"})
             self.assertEqual(self.kinds("kelp-bake", "--rig", ""), {"json"})
-            self.assertEqual(self.kinds("kelp-bake", "--config", ""), MODELS | OTHERS)
-            self.assertEqual(self.kinds("kelp-bake", "--cache", ""), set())
         if "kelp-dump" in PATHS:
             self.assertEqual(self.kinds("kelp-dump", "info", ""), {"kelp"})
             self.assertEqual(self.kinds("kelp-dump", "extract", "a.kelp", "--proxy", ""),

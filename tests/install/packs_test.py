@@ -177,10 +177,7 @@ class Packs:
             self.assertEqual(read(self.crate), old)
 
         with self.subTest("options"):
-            # One that makes the rule another's, too: the build still knows its pack.
-            write(f"{self.models}/target.toml", 'deps-target = "all"\n')
-            for options in ("--levels;1", "--levels;1;--pad;$<IF:1,2,3>",
-                            f"--config;{self.models}/target.toml", ""):
+            for options in ("--levels;1", "--levels;1;--pad;$<IF:1,2,3>", ""):
                 self.assertEqual(self.configure(f"-DCRATE_OPTIONS={options}")[0], 0)
                 self.settled("crat")
             self.assertEqual(self.configure("-DCRATE_OPTIONS=")[0], 0)

@@ -10,8 +10,8 @@
 #            another rule of the same folder makes.
 #   RIG      a rig file, relative to the current source folder, or a preset of kelp-bake. Without it:
 #            STEM.rig.json beside the source, if there is one. CMake must run again to see a new one.
-#   OPTIONS  other options of kelp-bake, see `kelp-bake --help`. --palette, --ramp and --config name files
-#            relative to the current source folder, after a space or a =. Generator expressions are allowed.
+#   OPTIONS  other options of kelp-bake, see `kelp-bake --help`. --palette and --ramp name files relative
+#            to the current source folder, after a space or a =. Generator expressions are allowed.
 #   OUTPUT   default: STEM.kelp. Relative to CMAKE_RUNTIME_OUTPUT_DIRECTORY if that is set, else to the
 #            current binary folder. With several configurations in one build, use $<CONFIG>/STEM.kelp.
 #
@@ -93,16 +93,9 @@ function(kelp_add_pack)
       "${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${own_target}.dir/compiler_depend.internal")
   endif()
   cmake_path(GET output PARENT_PATH output_folder)
-  # Always named, because a --config may name another target. Escaped for make. A path with a generator
-  # expression or a tab is left to kelp-bake.
-  set(rule_target "")
-  if(output MATCHES "^[^$\\\t]+$")
-    string(REGEX REPLACE "([ #:])" "\\\\\\1" escaped "${output}")
-    set(rule_target -MT "${escaped}")
-  endif()
   add_custom_command(OUTPUT "${output}"
     COMMAND ${CMAKE_COMMAND} -E make_directory "${output_folder}"
-    COMMAND ${baker} "${source}" -o "${output}" -MD -MF "${notes}.d" ${rule_target} --progress none ${options}
+    COMMAND ${baker} "${source}" -o "${output}" -MD -MF "${notes}.d" --progress none ${options}
     ${forget}
     DEPENDS ${baker} ${depends} "${notes}.options"
     DEPFILE "${notes}.d"
@@ -151,10 +144,10 @@ macro(kelp_pack_options_)
     elseif(option MATCHES "^--rig(=.*)?$")
       message(FATAL_ERROR "kelp_add_pack: OPTIONS ${option}: give the rig as RIG, so that a changed one is "
         "noticed")
-    elseif(previous MATCHES "^--(palette|ramp|config)$")
+    elseif(previous MATCHES "^--(palette|ramp)$")
       cmake_path(ABSOLUTE_PATH option BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE)
       list(APPEND depends "${option}")
-    elseif(option MATCHES "^(--(palette|ramp|config))=(.+)$")
+    elseif(option MATCHES "^(--(palette|ramp))=(.+)$")
       set(name "${CMAKE_MATCH_1}")
       set(file "${CMAKE_MATCH_3}")
       cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE)

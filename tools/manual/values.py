@@ -14,7 +14,6 @@ KINDS = {
     ("kelp-bake", "--palette"): COLOURS,
     ("kelp-bake", "--ramp"): COLOURS,
     ("kelp-bake", "--report"): ["json"],
-    ("kelp-bake", "--manifest"): ["json"],
     ("kelp-bake", "--deps-file"): ["d"],
     ("kelp-dump", "--set"): ["json"],
     ("kelp-dump", "--output"): ["kelp"],

@@ -54,7 +54,7 @@ class StageClock {
   std::chrono::steady_clock::time_point start_;
 };
 
-// What a bake knows. Each stage adds to it; nothing is decided twice.
+// The state of a bake. Each stage adds to it; nothing is decided twice.
 struct Job {
   const std::filesystem::path& input;
   const Settings& settings;
@@ -351,7 +351,7 @@ void addDistances(Job& job) {
 
 RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report,
              const Progress& progress) {
-  if (const std::vector<ToolError> faults = settingsFaults(settings); !faults.empty()) throw faults.front();
+  checkSettings(settings);
   Job job{input, settings, report, progress, threadCount(settings.threads)};
   StageClock clock(report, progress);
   clock.begin("import");

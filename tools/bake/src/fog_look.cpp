@@ -7,7 +7,7 @@
 namespace kelp::bake {
 namespace {
 
-// What a black body gives off at a wavelength (Planck's law), up to a factor.
+// The radiance of a black body at a wavelength (Planck's law), up to a factor.
 double planck(double nanometres, double kelvin) {
   constexpr double kSecondRadiation = 1.438777e7;  // h c / k in nm K
   return 1e15 / (std::pow(nanometres, 5) * std::expm1(kSecondRadiation / (nanometres * kelvin)));

@@ -5,8 +5,8 @@
 
 namespace kelp::bake {
 
-// What the samples of a fog part mean: white, turned equally to all sides; where there is heat, it glows in
-// the colours of `ramp` or, without any, of a black body, as bright as the ramp where both heat and density
+// The look of a fog part: white, scattering equally to all sides. Where there is heat, it glows in the colors
+// of `ramp`, or of a black body if `ramp` is empty. It is as bright as the ramp where both heat and density
 // are greatest.
 RawFog fogLook(const FogGrid& grid, const std::vector<glm::vec3>& ramp);
 

@@ -39,8 +39,7 @@ std::optional<std::filesystem::path> rigFile(const std::filesystem::path& input,
   return beside;
 }
 
-// What neither the source nor the options name: pictures, buffers, materials. Sorted, whatever the order in
-// which they were read.
+// Files that neither the source nor the options name: pictures, buffers, materials. Sorted by name.
 std::map<std::string, OrderedJson> otherFiles(const std::filesystem::path& input, const Settings& settings,
                                               const FilesUsed& used) {
   std::map<std::string, OrderedJson> files;
@@ -55,7 +54,25 @@ std::map<std::string, OrderedJson> otherFiles(const std::filesystem::path& input
   return files;
 }
 
+OrderedJson sourceJson(const std::filesystem::path& input, const std::string& format,
+                       const std::string& xxh3) {
+  return {{"tool", "kelp-bake " KELP_VERSION},
+          {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", xxh3}}}};
+}
+
+// A name that is not UTF-8 must not stop the bake.
+std::string print(const OrderedJson& json) {
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+}
+
 }  // namespace
+
+std::string sourceInfo(const std::filesystem::path& input, const std::string& format,
+                       const std::string& xxh3) {
+  std::string text = print(sourceJson(input, format, xxh3));
+  text.back() = ',';
+  return text;
+}
 
 std::filesystem::path rigBeside(const std::filesystem::path& input) {
   std::filesystem::path beside = input;
@@ -97,14 +114,11 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (settings.levels > 0) options["levels"] = settings.levels;
   options["distance"] = settings.distance;
   if (settings.effort == Effort::kBest) options["effort"] = "best";
-  OrderedJson info = {
-      {"tool", "kelp-bake " KELP_VERSION},
-      {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashOf(used, input)}}},
-      {"options", options}};
+  OrderedJson info = sourceJson(input, format, hashOf(used, input));
+  info["options"] = options;
   for (const auto& [name, hash] : otherFiles(input, settings, used)) info["files"][name] = hash;
   if (!skin.empty()) info["skin"] = OrderedJson::parse(skin);
-  // A name that is not UTF-8 must not stop the bake.
-  return info.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+  return print(info);
 }
 
 }  // namespace kelp::bake

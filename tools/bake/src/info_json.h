@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a pack says about its making.
+// The text that tells how a pack was made.
 #pragma once
 
 #include "kelp/bake/bake.h"

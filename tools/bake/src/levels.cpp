@@ -44,7 +44,7 @@ std::uint32_t commonest(const std::array<std::uint32_t, 8>& sources, std::size_t
   return best;
 }
 
-// What a voxel of the coarser level gets of its children, by their places in the finer one.
+// The attribute of a coarser voxel from its children, given by their places in the finer level.
 Attribute parentOf(const std::vector<Attribute>& fine, std::uint64_t index,
                    std::span<const std::size_t> children) {
   glm::vec3 normal(0);

@@ -25,7 +25,7 @@ auto materialKey(const Material& m) {
 bool less(const Material& a, const Material& b) { return materialKey(a) < materialKey(b); }
 bool same(const Material& a, const Material& b) { return materialKey(a) == materialKey(b); }
 
-// What is averaged: linear light, as a filter would.
+// The numbers of a material that are averaged, in linear light.
 using Vector = std::array<double, 9>;
 Vector vectorOf(const Material& m) {
   return {m.base_color.x, m.base_color.y, m.base_color.z, m.base_color.w, m.emissive.x,

@@ -38,7 +38,7 @@ inline float squaredDistance(const MaterialPoint& a, const MaterialPoint& b) {
 // The best palette of at most `limit` entries (chosen in OKLab, exact where that many are enough), the
 // samples' indices and the mean error.
 Palette clusterPalette(const std::vector<const VoxelGrid*>& grids, std::size_t limit, int threads);
-// How many distinct materials the samples have; `limit` + 1 if more than `limit`.
+// The number of distinct materials of the samples; `limit` + 1 if there are more than `limit`.
 std::size_t countDistinct(const std::vector<const VoxelGrid*>& grids, std::size_t limit);
 
 // Distance of two colours in OKLab.

@@ -74,7 +74,7 @@ double objectScale(const SourcePart& part) {
   return scale > 0 && std::isfinite(scale) ? scale : 1.0;
 }
 
-// Whether the voxels are the file's own.
+// True if the voxels are the file's own.
 bool isVolume(const SourceModel& model) {
   return std::all_of(model.parts.begin(), model.parts.end(),
                      [](const SourcePart& part) { return part.isVolume(); });

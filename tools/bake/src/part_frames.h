@@ -16,7 +16,7 @@ std::string partPlace(const std::filesystem::path& input, const SourcePart& part
 // Object metres to a metre of the part's node, in the mean over its axes.
 double objectScale(const SourcePart& part);
 
-// Whether the voxels are the file's own.
+// True if the voxels are the file's own.
 bool isVolume(const SourceModel& model);
 
 // The padded frames of all parts that are meshes; others have an empty one. Their voxels have one size in the

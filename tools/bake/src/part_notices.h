@@ -10,7 +10,7 @@
 
 namespace kelp::bake {
 
-// What several parts have to say in the same words is said once.
+// Joins equal notices of several parts into one.
 class PartNotices {
  public:
   void add(const std::string& part, const std::string& text) {

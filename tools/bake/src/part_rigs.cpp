@@ -15,7 +15,7 @@ namespace {
 
 bool isKnots(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
-// Whether what a clip does to a part moves its knots, or the part as a whole.
+// A clip bends a part if it moves its knots, and moves it if it moves the part as a whole.
 bool bends(const RawClip& share) {
   return !share.waves.empty() || std::any_of(share.tracks.begin(), share.tracks.end(),
                                              [](const RawTrack& track) { return isKnots(track.target); });

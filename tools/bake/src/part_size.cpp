@@ -14,7 +14,7 @@
 namespace kelp::bake {
 namespace {
 
-// Of each triangle: whether another before it has the same corners, in whatever order. Those are filled once.
+// For each triangle: true if an earlier one has the same corners in any order. Such corners are filled once.
 std::vector<bool> repeatedFaces(const TriangleSoup& soup) {
   struct Face {
     std::array<std::uint32_t, 3> corners;

@@ -8,9 +8,8 @@
 
 namespace kelp::bake {
 
-std::vector<ToolError> settingsFaults(const Settings& settings) {
-  std::vector<ToolError> faults;
-  const auto wrong = [&](const std::string& what) { faults.emplace_back(Exit::kUsage, what); };
+void checkSettings(const Settings& settings) {
+  const auto wrong = [](const std::string& what) { throw ToolError(Exit::kUsage, what); };
   if (settings.voxel_size &&
       !(*settings.voxel_size >= kSmallestVoxel && *settings.voxel_size <= kLargestVoxel)) {
     wrong(
@@ -37,7 +36,6 @@ std::vector<ToolError> settingsFaults(const Settings& settings) {
   if (settings.pad < 0 || settings.pad > kMaxPad)
     wrong(fmt::format("--pad {}: not between 0 and {} voxels; 1 or 2 is usual", settings.pad, kMaxPad));
   if (settings.rig_file && settings.rig_preset) wrong("a rig file and a preset at once; choose one");
-  return faults;
 }
 
 }  // namespace kelp::bake

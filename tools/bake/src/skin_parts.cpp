@@ -16,10 +16,11 @@
 namespace kelp::bake {
 namespace {
 
-// Of 95 % of the surface, as a share of the longest side: 4 voxels of 128. Farther off, joints look broken.
+// A warning above this distance of 95 % of the surface, as a share of the longest side: 4 voxels of 128.
+// Farther off, joints look broken.
 constexpr double kPoorFit = 1.0 / 32;
 
-// What the turned pivot's axes are at `at`, in the pivot's space.
+// The pivot, moved to `at` in its own space.
 glm::mat4x3 movedTo(const glm::mat4x3& pivot, const glm::dvec3& at) {
   glm::mat4x3 moved = pivot;
   moved[3] = glm::vec3(glm::dmat4x3(pivot) * glm::dvec4(at, 1));

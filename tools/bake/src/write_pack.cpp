@@ -5,7 +5,6 @@
 
 #include "kelp/bake/bake.h"
 #include "kelp/common/console.h"
-#include "kelp/common/hash.h"
 #include "kelp/common/memory.h"
 #include "kelp/common/output_file.h"
 #include "kelp/common/parallel.h"
@@ -17,14 +16,12 @@ struct Output {
   OutputFile& file;
   const Progress& progress;
   std::uint64_t bytes = 0;
-  Hash hash;
   bool interrupted = false;
 };
 
 bool receive(void* user, std::span<const std::byte> bytes) {
   Output& output = *static_cast<Output*>(user);
   output.bytes += bytes.size();
-  output.hash.add(bytes);
   if (output.progress && !output.progress("write", 0.5)) output.interrupted = true;
   return !output.interrupted && output.file.tryWrite(bytes);
 }
@@ -34,7 +31,7 @@ bool receive(void* user, std::span<const std::byte> bytes) {
 void writePackInto(const RawPack& pack, OutputFile& file, int threads, Report& report,
                    const Progress& progress, Effort effort) {
   const auto start = std::chrono::steady_clock::now();
-  Output output{file, progress, 0, {}, false};
+  Output output{file, progress};
   const Result<void> written = writePack(pack, Sink{receive, &output}, threadCount(threads), effort);
   if (output.interrupted || (progress && !progress("write", 1.0)))
     throw ToolError(Exit::kInterrupted, "interrupted");
@@ -48,7 +45,6 @@ void writePackInto(const RawPack& pack, OutputFile& file, int threads, Report& r
   }
   file.flush();
   report.pack_bytes = output.bytes;
-  report.pack_hash = output.hash.text();
   report.stages.push_back({"write",
                            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
                            peakMemory()});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What an OutputFile needs of the operating system: file_system_posix.cpp, file_system_windows.cpp.
+// The calls of the operating system behind OutputFile: file_system_posix.cpp, file_system_windows.cpp.
 #pragma once
 
 #include <cstddef>

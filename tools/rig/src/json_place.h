@@ -46,7 +46,7 @@ const char* kindOf(const Json& json);
 // Sockets by name. The rig's axis has been read.
 void readSockets(const Place& place, RigDescription& rig);
 
-// What divides a skin.
+// The members that divide a skin.
 void readSkin(const Place& place, RigDescription& rig);
 
 }  // namespace kelp::rig

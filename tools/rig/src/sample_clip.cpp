@@ -17,13 +17,14 @@ namespace {
 constexpr double kPerPeriod = 64;  // moments of the shortest period, or of the clip if it has keys
 // If the motions have no common period: how many of the longest are looked at.
 constexpr double kPeriods = 16;
-// Of all moments, in waves; the arcs of one knot cost as much as kArcsOfKnot waves: seconds.
+// The most work of a proof, in waves, for all moments: seconds. The arcs of one knot cost as much as
+// kArcsOfKnot waves.
 constexpr double kMostWork = 1 << 26, kArcsOfKnot = 256;
 
 // The bounds of arcs may be wider than they by this, voxels.
 constexpr float kSlack = 0.05f;
 
-// What the clip adds to a knot: x, y, z of its position, then of its tangent.
+// The offsets that the clip adds to a knot: x, y, z of its position, then of its tangent.
 using KnotMotion = std::array<Motion, 6>;
 
 class ClipSampler {

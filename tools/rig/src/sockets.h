@@ -8,7 +8,7 @@
 
 namespace kelp::rig {
 
-// What is wrong with a socket's offset for a spline along this axis; empty if nothing is.
+// The fault of a socket's offset for a spline along this axis; empty if there is none.
 std::string faultOfOffset(const glm::vec3& offset, Axis axis);
 
 }  // namespace kelp::rig

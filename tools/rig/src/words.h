@@ -24,7 +24,7 @@ inline bool movesKnot(Target target) {
 std::string_view nearMiss(std::string_view word, std::span<const std::string_view> known);
 // "did you mean 'period'?", or "known are 'knot', 'period', ..." when nothing is near.
 std::string suggestion(std::string_view word, std::span<const std::string_view> known);
-// Whether UTF-8 text holds one of U+0000 to U+001F or U+007F to U+009F, which names in a pack must not.
+// True if UTF-8 text holds one of U+0000 to U+001F or U+007F to U+009F, which names in a pack must not.
 bool hasControls(std::string_view text);
 // Text from a file for a message of one line: cut to about 60 characters, without control characters.
 std::string printable(std::string_view text);

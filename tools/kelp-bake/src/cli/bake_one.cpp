@@ -3,20 +3,19 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
-#include <memory>
 #include <span>
 #include <system_error>
 #include <vector>
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "cli/clashes.h"
 #include "cli/interrupt.h"
+#include "cli/progress_display.h"
 #include "cli/report_json.h"
 #include "cli/summary.h"
+#include "contained/child.h"
 #include "contained/contained.h"
 #include "kelp/common/hash.h"
 #include "kelp/common/memory.h"
@@ -28,50 +27,12 @@
 #include "kelp/formats/verify.h"
 
 namespace kelp::bake_cli {
-
 namespace {
 
+namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// What is read may have been found only by reading it.
-void checkRoles(const Options& options, const bake::FilesUsed& files, const Place& place) {
-  std::vector<std::filesystem::path> read;
-  for (const bake::FilesUsed::File& file : files.read) read.push_back(file.path);
-  FileRoles roles;
-  addRoles(roles, options, read, place);
-  if (options.dependency_file) checkDependencies(options, files);
-}
-
-std::optional<Baked> takeFromCache(const Options& options, const Place& place, const Cache& cache) {
-  const auto start = Clock::now();
-  const std::optional<Cache::Hit> hit =
-      cache.fetch(options, [&](const bake::FilesUsed& files) { checkRoles(options, files, place); });
-  if (!hit) return std::nullopt;
-  Baked baked;
-  baked.cached = true;
-  baked.pack_bytes = hit->pack_bytes;
-  baked.notices = noticesOf(hit->report);
-  baked.seconds = secondsSince(start);
-  if (options.report_file)
-    writeTextFile(*options.report_file, cachedReport(hit->report, options, hit->files, baked.seconds));
-  if (options.dependency_file) writeDependencies(*options.dependency_file, options, hit->files);
-  return baked;
-}
-
-// What the pack was made of, by its own words. Nothing if another has taken its place meanwhile.
-std::optional<bake::FilesUsed> filesOfPack(const Options& options) {
-  Result<FileSource> file = FileSource::open(options.output.c_str());
-  if (!file) return std::nullopt;
-  FileSource opened = *std::move(file);
-  const Result<Pack> pack = Pack::open(opened.source());
-  if (!pack) return std::nullopt;
-  std::optional<bake::Recipe> recipe =
-      bake::recipeNow(std::string(pack->infoJson()), options.input, options.settings);
-  if (!recipe) return std::nullopt;
-  return std::move(recipe->files);
-}
-
-// XXH3-128 of all its bytes; nothing if they cannot be read.
+// XXH3-128 of all bytes; nullopt if they cannot be read.
 std::optional<std::string> hashOf(const Source& source) {
   std::vector<std::byte> block(std::size_t{1} << 20);
   Hash hash;
@@ -83,7 +44,7 @@ std::optional<std::string> hashOf(const Source& source) {
   return hash.text();
 }
 
-// By its descriptor: its permissions may be such that nobody may open it for reading.
+// Reads by the descriptor, because permissions may forbid opening the file for reading.
 Read readOutput(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t got = ::pread(static_cast<const OutputFile*>(user)->descriptor(), bytes.data(),
@@ -96,11 +57,11 @@ Read readOutput(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
   return Read::kDone;
 }
 
-// Reads the child's pack before it takes its place: of its size and hash nobody believes the child. Returns
-// its INFO. Throws ToolError if it is not sound.
-std::string checkFinished(const Options& options, OutputFile& output, bake::Report& report) {
+// Verifies the child's pack before it takes its place, and counts and hashes its bytes: the child's word for
+// them is not trusted.
+void checkPackOfChild(const Options& options, OutputFile& output, bake::Report& report) {
   const auto start = Clock::now();
-  const std::string name = options.output.string();
+  const std::string name = options.output.string(), input = options.input.string();
   struct stat status {};
   if (::fstat(output.descriptor(), &status) != 0)
     throw ToolError(Exit::kIo, name + ": cannot be read again; check the disk");
@@ -115,94 +76,77 @@ std::string checkFinished(const Options& options, OutputFile& output, bake::Repo
       &issue, {}, threadCount(options.settings.threads));
   if (issue && exitOf(issue->error.code) != Exit::kInvalid) failPack(name, issue->error);
   if (issue)
-    throw ToolError(Exit::kRuntime, options.input.string() + ": the pack that its bake wrote is not sound (" +
+    throw ToolError(Exit::kRuntime, input + ": the pack that its bake wrote is not sound (" +
                                         toString(issue->id) +
                                         "); please report this as a defect, with the file");
+  const Pack pack = checkPack(name, Pack::open(source));
+  if (!pack.infoJson().starts_with(bake::sourceInfo(options.input, report.format, hashFile(options.input))))
+    throw ToolError(Exit::kRuntime, input +
+                                        ": its pack says that it was made of something else; if the "
+                                        "file was changed meanwhile, bake again; else please report "
+                                        "this as a defect, with the file");
   const std::optional<std::string> hash = hashOf(source);
   if (!hash) throw ToolError(Exit::kIo, name + ": cannot be read again; check the disk");
   report.pack_bytes = source.size;
   report.pack_hash = *hash;
-  // What the contained process took counts on: this one's peak is often less.
-  const std::uint64_t before = report.stages.empty() ? 0 : report.stages.back().peak_bytes;
+  const std::uint64_t before = report.stages.empty() ? 0 : report.stages.back().peak_bytes;  // of the child
   report.stages.push_back({"check", secondsSince(start), std::max(before, peakMemory())});
-  return std::string(checkPack(name, Pack::open(source)).infoJson());
 }
 
-// The files that the pack was made of: those that its INFO names, as they are now. Of their names and hashes,
-// too, nobody believes the child: the cache would give this pack out for another input.
-bake::FilesUsed checkRecipe(const Options& options, const std::string& info, const bake::FilesUsed& told) {
-  std::optional<bake::Recipe> recipe = bake::recipeNow(info, options.input, options.settings, told);
-  if (!recipe || recipe->info != info)
-    throw ToolError(Exit::kRuntime, options.input.string() +
-                                        ": its pack says that it was made of something else; if a file "
-                                        "that it reads was changed meanwhile, bake again; else please "
-                                        "report this as a defect, with the file");
-  return std::move(recipe->files);
+// Report and rule name the files that were read. The child may only name those that it was allowed to read.
+void checkFiles(const Options& options, const bake::FilesUsed& files) {
+  std::vector<fs::path> places;
+  for (const fs::path& place : placesToRead(options)) places.push_back(place.lexically_normal());
+  std::vector<fs::path> read;
+  for (const bake::FilesUsed::File& file : files.read) {
+    const bool allowed = std::any_of(places.begin(), places.end(), [&](const fs::path& place) {
+      const fs::path below = file.path.lexically_normal().lexically_relative(place);
+      return !below.empty() && *below.begin() != "..";
+    });
+    if (!allowed)
+      throw ToolError(Exit::kRuntime, options.input.string() +
+                                          ": its bake says that it read a file of another folder; please "
+                                          "report this as a defect, with the file");
+    read.push_back(file.path);
+  }
+  checkClashes(options, read);
+  if (options.dependency_file) checkDependencies(options, files);
 }
 
 }  // namespace
 
-void checkDestinations(const Options& options) {
+void bakeOne(const Options& options) {
+  std::error_code error;
+  if (!fs::exists(options.input, error))
+    throw ToolError(Exit::kIo, options.input.string() + ": no such file; check the name");
+  checkClashes(options);
+  catchInterrupts();
   checkOutput(options.output);
   if (options.report_file) checkTextOutput(*options.report_file);
   if (options.dependency_file) checkTextOutput(*options.dependency_file);
-}
 
-std::optional<Baked> takeCurrent(const Options& options, const Place& place) {
-  if (!bake::isCurrent(options.output, options.input, options.settings)) return std::nullopt;
-  Baked baked;
-  baked.pack_bytes = std::filesystem::file_size(options.output);
-  if (!options.dependency_file) return baked;
-  const std::optional<bake::FilesUsed> files = filesOfPack(options);
-  if (!files) return std::nullopt;
-  checkRoles(options, *files, place);
-  writeDependencies(*options.dependency_file, options, *files);
-  if (::utimensat(AT_FDCWD, options.output.c_str(), nullptr, 0) != 0) {
-    const int error = errno;
-    baked.notices.push_back(options.output.string() +
-                            ": its time cannot be renewed: " + std::generic_category().message(error) +
-                            "; builds will ask for it again; see that you may write to it");
-  }
-  return baked;
-}
-
-Baked bakeOne(const Options& options, const Place& place, const Cache* cache, ProgressDisplay& display,
-              bool announce) {
-  const std::unique_ptr<ProgressDisplay, void (*)(ProgressDisplay*)> no_bar_stays(
-      &display, [](ProgressDisplay* shown) { shown->clear(); });
-  if (cache) {
-    if (std::optional<Baked> cached = takeFromCache(options, place, *cache)) return *std::move(cached);
-  }
   const auto start = Clock::now();
   OutputFile output(options.output);
-  const auto show = [&](const Stage& stage) {
-    if (announce && stage.estimated_bytes > 0) {
+  ProgressDisplay display(options.progress);
+  bool announced = false;
+  auto [report, containment] = bakeContained(options, output, [&](const Stage& stage) {
+    if (!announced && stage.estimated_bytes > 0) {
       display.clear();
       printEstimate(options, stage.estimated_bytes);
-      announce = false;
+      announced = true;
     }
     display.show(stage.name, stage.done);
-  };
-  auto [report, containment] = bakeContained(options, output, show);
-  const std::string info = checkFinished(options, output, report);
-  report.files = checkRecipe(options, info, report.files);
-  checkRoles(options, report.files, place);
+  });
+  checkPackOfChild(options, output, report);
+  checkFiles(options, report.files);
   if (interrupted()) throw ToolError(Exit::kInterrupted, "interrupted");
   output.commit();
   display.clear();
-  Baked baked;
-  baked.seconds = secondsSince(start);
-  const std::string report_text = reportJson(options, report, containment, baked.seconds);
-  if (cache && !cache->store(options, info, report_text, report.pack_hash))
-    report.notices.push_back(
-        "--cache " + options.cache_folder->string() +
-        ": the pack could not be kept there; see that there is space, and that you may write to it");
-  if (options.report_file) writeTextFile(*options.report_file, report_text);
+  const double seconds = secondsSince(start);
+  if (options.report_file)
+    writeTextFile(*options.report_file, reportJson(options, report, containment, seconds));
   if (options.dependency_file) writeDependencies(*options.dependency_file, options, report.files);
-  baked.notices = report.notices;
-  baked.pack_bytes = report.pack_bytes;
-  baked.report = std::move(report);
-  return baked;
+  printSummary(options, report, seconds);
 }
 
 }  // namespace kelp::bake_cli

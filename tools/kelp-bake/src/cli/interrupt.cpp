@@ -13,10 +13,10 @@
 namespace kelp::bake_cli {
 namespace {
 
-// `timeout` signals a program and its group: a second signal so soon is no second wish.
-constexpr std::int64_t kSameWish = 100'000'000;  // ns
+// `timeout` signals a program and its group: two signals within this time count as one.
+constexpr std::int64_t kOneSignal = 100'000'000;  // ns
 
-std::atomic<std::int64_t> g_interrupted{0};  // when, in ns; 0: not yet
+std::atomic<std::int64_t> g_interrupted{0};  // the time of the first signal, in ns; 0: none yet
 static_assert(std::atomic<std::int64_t>::is_always_lock_free, "a signal handler must not wait");
 
 std::int64_t monotonicTime() {
@@ -27,7 +27,7 @@ std::int64_t monotonicTime() {
 
 void hearInterrupt(int) {
   std::int64_t first = 0;
-  if (!g_interrupted.compare_exchange_strong(first, monotonicTime()) && monotonicTime() - first > kSameWish)
+  if (!g_interrupted.compare_exchange_strong(first, monotonicTime()) && monotonicTime() - first > kOneSignal)
     endInterrupted();
 }
 
@@ -40,12 +40,10 @@ void catchInterrupts() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
     sigaction(signal, nullptr, &before);
-    // nohup, and shells for jobs in the background, ask for that
-    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
+    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);  // nohup, background jobs
   }
-  std::signal(SIGPIPE, SIG_IGN);  // a reader of our messages that goes away is no reason to stop
-  // a limit on the size of files is an error of writing, not the end with half a file left behind
-  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);  // a reader of the messages that goes away does not end the bake
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files becomes an error of writing
 }
 
 void hearParentOnly() {

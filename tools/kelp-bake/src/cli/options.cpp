@@ -2,245 +2,290 @@
 #include "cli/options.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <map>
+#include <string_view>
+#include <utility>
 
-#include "kelp/import/core/outer_rig.h"
+#include <CLI/CLI.hpp>
+
+#include "cli/option_values.h"
+#include "cli/summary.h"
+#include "contained/sandbox.h"
 
 namespace kelp::bake_cli {
 namespace {
 
-// A number that is all of the text.
-template <class Number>
-std::optional<Number> parseNumber(const std::string& text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+constexpr const char* kExamples = R"(Examples:
+  kelp-bake reed.glb -o reed.kelp                     128 voxels along the longest side
+  kelp-bake reed.glb -o reed.kelp --resolution 256    finer
+  kelp-bake fish.obj -o fish.kelp --axis -x --rig swim
+  kelp-bake part.stl -o part.kelp --up +z --unit mm   as CAD programs write it
+  kelp-bake plant.ply -o plant.kelp --voxel-size 0.01 --rig plant.rig.json
+  kelp-bake cloud.vdb -o cloud.kelp --report cloud.json
+  kelp-bake knight.vox -o knight.kelp --unit 0.05     voxels of 5 cm
+  kelp-bake scan.vdb -o skull.kelp --grid density --isovalue 0.4
+  kelp-bake truck.gltf -o truck.kelp --parts nodes    wheels turn by the file's animations
+  kelp-bake fox.gltf -o fox.kelp --at Walk:0.3        a skinned fox in the middle of a step
+  kelp-bake reed.glb -o reed.kelp -MD                 in a build: also writes a rule for make and ninja
+
+The rig comes from --rig, or else from STEM.rig.json beside the input, from a glTF node's extras.kelp, from
+empties named knot.0, knot.1, ... under a mesh, or from skins that animations move. Without a rig the part is
+straight.
+
+Exit codes: 0 done, 1 usage, 2 files, 3 invalid input, 4 failure at run time (memory, time, a
+crash, a forbidden call), 5 unsupported feature, 130 interrupted.
+
+Ctrl-C stops after the current step, a second Ctrl-C at once. An existing output stays as it was.)";
+
+// Options of older versions, and what does their work now.
+constexpr const char* kFarm = "see samples/farm";
+constexpr const char* kBuild = "kelp_add_pack, make or Ninja through -MD rebuild only what changed";
+constexpr std::pair<std::string_view, const char*> kGone[] = {
+    {"--manifest", kFarm},
+    {"--shard", kFarm},
+    {"--plan", kFarm},
+    {"--force", "a bake is always done anew"},
+    {"--cache", kBuild},
+    {"--cache-size", kBuild},
+    {"--config", "give its options on the command line"},
+    {"--print-config", "see kelp-bake --help"},
+};
+
+[[noreturn]] void misuse(const std::string& what) { throw ToolError(Exit::kUsage, what); }
+
+void refuseGone(const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    for (const auto& [name, instead] : kGone)
+      if (word.substr(0, word.find('=')) == name) misuse(std::string(name) + " is gone; " + instead);
 }
 
-// The values of one bake, read one by one. What cannot be is noted with its place.
-class Reader {
+// CLI11 takes the last word first, and knows no single dash with two letters, which compilers have.
+std::vector<std::string> wordsForCli11(const std::vector<std::string>& words) {
+  std::vector<std::string> reversed(words.rbegin(), words.rend() - 1);
+  for (std::string& word : reversed)
+    for (const auto& [brief, full] : {std::pair("-MD", "--write-deps"), std::pair("-MF", "--deps-file"),
+                                      std::pair("-MP", "--deps-phony"), std::pair("-MT", "--deps-target")})
+      if (word == brief) word = full;
+  return reversed;
+}
+
+// Adds options to CLI11 under a heading of --help.
+class Adder {
  public:
-  Reader(const Values& values, Faults& faults) : values_(values), faults_(faults) {}
-
-  const std::string* find(const char* name) const {
-    const auto found = values_.find(name);
-    if (found == values_.end()) return nullptr;
-    if (!found->second.text.empty()) return &found->second.text;
-    fail(name, "is empty; leave it out for the default");
-    return nullptr;
+  explicit Adder(CLI::App& app) : app_(app) {}
+  void heading(const char* heading) { heading_ = heading; }
+  CLI::Option* option(const char* names, const char* value, const char* help, const Take& take) {
+    const auto checked = [name = std::string(names), take](const std::string& given) {
+      const std::string shown = name.substr(name.find(',') + 1);  // "-o,--output"
+      if (given.empty()) misuse(shown + ": is empty; give a value, or leave it out");
+      if (const char* const fault = take(given)) misuse(shown + " " + given + ": " + fault);
+    };
+    return app_.add_option_function<std::string>(names, checked, help)->type_name(value)->group(heading_);
   }
-  void fail(const char* name, const std::string& what) const {
-    const Value& value = values_.find(name)->second;
-    faults_.add(value.place, std::string("--") + name + " " + value.text + ": " + what);
-  }
-
-  template <class Text>
-  void text(const char* name, std::optional<Text>& out) const {
-    if (const std::string* given = find(name)) out = *given;
-  }
-  template <class Number>
-  bool wholeNumber(const char* name, Number& out) const {
-    const std::string* given = find(name);
-    if (!given) return false;
-    const std::optional<int> value = parseNumber<int>(*given);
-    if (!value) return fail(name, "not a whole number; see kelp-bake --help"), false;
-    out = *value;
-    return true;
-  }
-  // What the library takes as "leave it to me" is no number a user may give.
-  void positiveNumber(const char* name, int& out) const {
-    if (wholeNumber(name, out) && out < 1) fail(name, "less than 1; leave the option out for the default");
-  }
-  template <class Number>
-  void finiteNumber(const char* name, Number& out) const {
-    const std::string* given = find(name);
-    if (!given) return;
-    const std::optional<double> value = parseNumber<double>(*given);
-    if (!value || !std::isfinite(*value)) return fail(name, "not a number; see kelp-bake --help");
-    out = *value;
-  }
-  void axis(const char* name, std::optional<Axis>& out) const {
-    const std::string* given = find(name);
-    if (!given) return;
-    out = parseAxis(*given);
-    if (!out) fail(name, "not an axis; use one of +x -x +y -y +z -z");
-  }
-  void bend(const char* name, std::optional<Bend>& out) const {
-    const std::string* given = find(name);
-    if (!given) return;
-    out = parseBend(*given);
-    if (!out) fail(name, "unknown; use shear or sweep");
-  }
-  // `names`: "auto, solid or surface".
-  template <class Choice>
-  void choice(const char* name, Choice& out, const std::map<std::string, Choice>& choices,
-              const char* names) const {
-    const std::string* given = find(name);
-    if (!given) return;
-    const auto found = choices.find(*given);
-    if (found == choices.end()) return fail(name, std::string("unknown; use ") + names);
-    out = found->second;
-  }
-  bool flag(const char* name) const {
-    const std::string* given = find(name);
-    return given && *given == "true";
-  }
-  // In metres.
-  bool unit(const char* name, double& out) const {
-    static const std::map<std::string, double> kUnits = {
-        {"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}};
-    const std::string* given = find(name);
-    if (!given) return false;
-    const auto known = kUnits.find(*given);
-    const std::optional<double> metres = known != kUnits.end() ? known->second : parseNumber<double>(*given);
-    if (!metres)
-      return fail(name, "not a unit; use m, cm, mm, in, ft, or the length of one in metres, such as 0.01"),
-             false;
-    out = *metres;
-    return true;
-  }
-  // "Walk:0.3": names may hold colons, numbers do not.
-  void moment(const char* name, std::optional<bake::Moment>& out) const {
-    const std::string* given = find(name);
-    if (!given) return;
-    const std::size_t colon = given->rfind(':');
-    const std::optional<double> seconds =
-        colon == std::string::npos ? std::nullopt : parseNumber<double>(given->substr(colon + 1));
-    if (!seconds || colon == 0 || !std::isfinite(*seconds) || *seconds < 0)
-      return fail(name,
-                  "not a moment; give an animation's name and a time in seconds from 0 on, such as Walk:0.3");
-    out = bake::Moment{given->substr(0, colon), *seconds};
-  }
-  void bytes(const char* name, std::uint64_t& out) const {
-    const std::string* given = find(name);
-    if (!given) return;
-    const std::optional<std::uint64_t> value = parseBytes(*given);
-    if (!value) return fail(name, "not a size; use a number with K, M, G or T, such as 4G");
-    out = *value;
+  CLI::Option* flag(const char* name, const char* help, bool& out) {
+    return app_.add_flag(name, out, help)->group(heading_);
   }
 
  private:
-  const Values& values_;
-  Faults& faults_;
+  CLI::App& app_;
+  const char* heading_ = "Options";
 };
 
-void readRig(const Reader& read, bake::Settings& settings) {
-  const std::string* rig = read.find("rig");
-  if (!rig) return;
-  const std::vector<std::string> names = bake::rigNames();
-  if (std::find(names.begin(), names.end(), *rig) != names.end()) {
-    settings.rig_preset = *rig;
-  } else {
-    settings.rig_file = *rig;
-  }
+void addModelOptions(Adder& add, bake::Settings& settings, Options& options) {
+  add.heading("Size and place");
+  add.option("--resolution", "N",
+             "voxels along the longest side of the largest part, 1 to 8192 (default 128)",
+             [&settings](const std::string& given) {
+               settings.resolution_given = true;
+               return number(settings.resolution)(given);
+             });
+  add.option("--voxel-size", "LENGTH",
+             "edge of a voxel in metres, in place of --resolution; voxels of .vox and .binvox stay, with "
+             "this size",
+             number(settings.voxel_size));
+  add.option("--up", "+x|-x|+y|-y|+z|-z", "the file's axis that points up (default +y; of .vox +z)",
+             axis(settings.up));
+  add.option("--unit", "m|cm|mm|in|ft|METRES",
+             "the file's unit of length (default m); of .vox, the size of a voxel", unit(options));
+  add.option("--pad", "N",
+             "empty voxels on every side of a part, 0 to 1024 (default 0), except along the axis of a part "
+             "that bends",
+             number(settings.pad));
+  add.heading("Bending");
+  add.option("--rig", "FILE|none|sway|swim|skin",
+             "a rig file (JSON), a preset, or skin: the file's skin (default: STEM.rig.json beside the "
+             "input, or else the rig or the skin in the file)",
+             rig(settings));
+  add.option("--axis", "+x|-x|+y|-y|+z|-z",
+             "the axis to bend along if the rig has none, in the file's axes (default: --up)",
+             axis(settings.axis));
+  add.option("--bend", "shear|sweep",
+             "how solid parts bend whose rig does not say; sweep: sections stay perpendicular to the "
+             "spline, which may curl; shear: they stay level (default)",
+             choice(settings.bend, "unknown; use shear or sweep",
+                    {{"shear", Bend::kShear}, {"sweep", Bend::kSweep}}));
+  add.heading("Model");
+  add.option("--scene", "NAME|INDEX",
+             "glTF: the scene to bake, by name or by index from 0; a number in the range of indices is an "
+             "index (default: the file's default scene)",
+             text(settings.scene));
+  add.option(
+      "--fill", "auto|solid|surface",
+      "what to fill; auto: closed components, small holes capped; solid: all; surface: none",
+      choice(
+          settings.fill, "unknown; use auto, solid or surface",
+          {{"auto", bake::Fill::kAuto}, {"solid", bake::Fill::kSolid}, {"surface", bake::Fill::kSurface}}));
+  add.option("--parts", "one|nodes",
+             "one: a single part, besides nodes that have their own rig; nodes: a part for every glTF node "
+             "with a mesh, with its animations as clips, or for every .vox object",
+             choice(settings.parts, "unknown; use one or nodes",
+                    {{"one", bake::Parts::kOne}, {"nodes", bake::Parts::kNodes}}));
+  add.option("--at", "CLIP:SECONDS",
+             "glTF: bake nodes, skins and morph targets at a moment of an animation, e.g. Walk:0.3",
+             moment(settings.at));
+  add.option("--frame", "N", "MagicaVoxel: the frame of the animation to bake, from 0 (default: the first)",
+             number(settings.frame));
 }
 
-// What the library finds wrong with the settings names the option first; so its place is known.
-void check(const Values& values, const bake::Settings& settings, Faults& faults) {
-  for (const ToolError& fault : bake::settingsFaults(settings)) {
-    const std::string what = fault.what();
-    const std::size_t end = what.find_first_of(": ", 2);
-    const auto value = what.rfind("--", 0) == 0 ? values.find(what.substr(2, end - 2)) : values.end();
-    if (value == values.end())
-      faults.add(fault);
-    else
-      faults.add(value->second.place, what);
-  }
+void addLookOptions(Adder& add, bake::Settings& settings, bool& no_distance) {
+  add.heading("Colours");
+  add.option("--palette", "FILE",
+             "use only these colours: a GIMP palette (.gpl) or a picture of at most 256 colours",
+             text(settings.palette_file));
+  add.flag("--keep-materials", "give every material its own palette entries; --report names them",
+           settings.keep_materials);
+  add.heading("Volumes");
+  add.option("--grid", "NAME|INDEX",
+             "volumes: the grid to bake, by name or by index from 0; needed if the file has several",
+             text(settings.grid));
+  add.option("--volume", "auto|solid|fog",
+             "volumes; auto: solid for level sets, masks, and densities with --isovalue, fog for other "
+             "densities; solid; fog",
+             choice(settings.volume, "unknown; use auto, solid or fog",
+                    {{"auto", bake::VolumeKind::kAuto},
+                     {"solid", bake::VolumeKind::kSolid},
+                     {"fog", bake::VolumeKind::kFog}}));
+  add.option("--isovalue", "VALUE",
+             "volumes: solid where a density is at least VALUE, or a level set at most VALUE (default: 0 for "
+             "level sets, half the greatest value for densities)",
+             number(settings.isovalue));
+  add.option("--color-grid", "NAME|INDEX",
+             "volumes: the vector grid with the colours of a solid (default: Cd or color)",
+             text(settings.color_grid));
+  add.option("--heat-grid", "NAME|INDEX|none",
+             "volumes: the grid that makes fog glow (default: flame, flames, heat or temperature); none: no "
+             "glow",
+             [&settings](const std::string& given) {
+               return settings.heat_grid = given == "none" ? "" : given, nullptr;
+             });
+  add.option("--density", "FACTOR", "volumes: multiplies the density of fog (default 1)",
+             number(settings.density));
+  add.option("--ramp", "FILE",
+             "volumes: colours of glowing fog, cold to hot: a GIMP palette (.gpl) or a picture (default: a "
+             "black body's)",
+             text(settings.ramp_file));
+  add.heading("Pack");
+  add.option("--levels", "N", "levels of detail (default: as many as it takes to reach one brick)",
+             countingNumber(settings.levels));
+  add.flag("--no-distance",
+           "leave out the exact distances, which games ask for collisions and shaders for soft shadows",
+           no_distance);
+  add.option("--effort", "fast|best",
+             "how hard to try to make the pack small; best: a little smaller, the writing takes longer "
+             "(default fast)",
+             choice(settings.effort, "unknown; use fast or best",
+                    {{"fast", Effort::kFast}, {"best", Effort::kBest}}));
+}
+
+// `write_deps`: -MD.
+void addRunOptions(Adder& add, Options& options, bool& write_deps) {
+  add.heading("Run");
+  add.option("--threads", "N", "threads (default: all); the pack is the same with any number",
+             countingNumber(options.settings.threads));
+  add.option("--max-memory", "SIZE",
+             "refuse a bake or a file that needs more memory, e.g. 4G (default: the machine's memory; for "
+             "pictures 1G plus 256 bytes per byte of their files)",
+             bytes(options.settings.max_memory));
+  add.option("--max-import-time", "SECONDS",
+             "refuse a file that takes longer to read, or whose bake stands still for longer (default 1800)",
+             countingNumber(options.max_import_seconds));
+  add.option("--progress", "auto|bar|json|none",
+             "auto: a bar if stderr is a terminal; bar; json: each line on stderr is JSON (kelp-dump schema "
+             "bake-progress); none",
+             choice(options.progress, "unknown; use auto, bar, json or none",
+                    {{"auto", ProgressStyle::kAuto},
+                     {"bar", ProgressStyle::kBar},
+                     {"json", ProgressStyle::kJson},
+                     {"none", ProgressStyle::kNone}}));
+  add.option("--report", "FILE", "write a report as JSON: what was baked and how long it took",
+             text(options.report_file));
+  add.heading("Make rules");
+  add.flag("--write-deps", "write a make rule with all files that were read to OUT.d (also -MD)", write_deps);
+  add.flag("--deps-phony",
+           "add an empty rule for each of these files, so that make goes on when one is deleted (also -MP)",
+           options.phony_deps);
+  add.option("--deps-target", "NAME", "the target of the rule, unescaped (default: the output; also -MT)",
+             text(options.deps_target));
+  add.option("--deps-file", "FILE", "write the rule to FILE instead of OUT.d (also -MF)",
+             text(options.dependency_file));
+}
+
+void check(const Options& options) {
+  const std::string input = options.input.string();
+  if (input[0] == '@')
+    misuse(input + ": a list of files is gone; " + kFarm + "; a file of that name is ./" + input);
+  const auto has_name = [](const char* option, const std::filesystem::path& file) {
+    if (file == "-") misuse(std::string(option) + " -: is no file; kelp-bake needs one with a name");
+  };
+  has_name("input", options.input);
+  has_name("-o", options.output);
+  has_name("--report", options.report_file.value_or(""));
+  has_name("-MF", options.dependency_file.value_or(""));
+  for (const auto& [option, given] : {std::pair("--deps-phony", options.phony_deps),
+                                      std::pair("--deps-target", options.deps_target.has_value())})
+    if (given && !options.dependency_file)
+      misuse(std::string(option) + ": there is no rule; add -MD or -MF FILE, or leave it out");
+  if (options.settings.resolution_given && options.settings.voxel_size)
+    misuse("--voxel-size: excludes --resolution; choose one");
+  bake::checkSettings(options.settings);
 }
 
 }  // namespace
 
-std::optional<std::uint64_t> parseBytes(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || !(value > 0)) return std::nullopt;
-  std::string unit(end, text.data() + text.size());
-  unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
-  std::transform(unit.begin(), unit.end(), unit.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  static const std::map<std::string, int> kShift = {
-      {"", 0},     {"b", 0},  {"k", 10},  {"kb", 10},  {"kib", 10}, {"m", 20},  {"mb", 20},
-      {"mib", 20}, {"g", 30}, {"gb", 30}, {"gib", 30}, {"t", 40},   {"tb", 40}, {"tib", 40}};
-  const auto shift = kShift.find(unit);
-  if (shift == kShift.end()) return std::nullopt;
-  const double bytes = std::ldexp(value, shift->second);
-  if (!(bytes >= 1 && bytes < 9e18)) return std::nullopt;
-  return static_cast<std::uint64_t>(bytes);
-}
-
-Options readOptions(const Values& values) {
-  Faults faults;
-  Options options = readOptions(values, faults);
-  faults.throwIfAny();
-  return options;
-}
-
-Options readOptions(const Values& values, Faults& faults) {
-  const Reader read(values, faults);
+std::optional<Options> parseCommandLine(const std::vector<std::string>& words) {
+  refuseGone(words);
+  CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
+  app.set_version_flag("--version", "");
+  app.footer(kExamples);
   Options options;
-  bake::Settings& settings = options.settings;
-  if (const std::string* input = read.find("input")) options.input = *input;
-  if (const std::string* output = read.find("output")) options.output = *output;
-  if (values.count("resolution") > 0 && values.count("voxel-size") > 0)
-    read.fail("voxel-size", "excludes --resolution; choose one");
-  settings.resolution_given = read.wholeNumber("resolution", settings.resolution);
-  read.finiteNumber("voxel-size", settings.voxel_size);
-  readRig(read, settings);
-  read.axis("axis", settings.axis);
-  read.bend("bend", settings.bend);
-  read.axis("up", settings.up);
-  options.unit_given = read.unit("unit", settings.unit);
-  read.wholeNumber("pad", settings.pad);
-  read.text("scene", settings.scene);
-  read.choice("fill", settings.fill,
-              {{"auto", bake::Fill::kAuto}, {"solid", bake::Fill::kSolid}, {"surface", bake::Fill::kSurface}},
-              "auto, solid or surface");
-  read.choice("parts", settings.parts, {{"one", bake::Parts::kOne}, {"nodes", bake::Parts::kNodes}},
-              "one or nodes");
-  read.moment("at", settings.at);
-  read.wholeNumber("frame", settings.frame);
-  read.text("palette", settings.palette_file);
-  settings.keep_materials = read.flag("keep-materials");
-  read.text("grid", settings.grid);
-  read.choice("volume", settings.volume,
-              {{"auto", bake::VolumeKind::kAuto},
-               {"solid", bake::VolumeKind::kSolid},
-               {"fog", bake::VolumeKind::kFog}},
-              "auto, solid or fog");
-  read.finiteNumber("isovalue", settings.isovalue);
-  read.text("color-grid", settings.color_grid);
-  read.text("heat-grid", settings.heat_grid);
-  if (settings.heat_grid == "none") settings.heat_grid = "";
-  read.finiteNumber("density", settings.density);
-  read.text("ramp", settings.ramp_file);
-  read.positiveNumber("levels", settings.levels);
-  settings.distance = !read.flag("no-distance");
-  read.choice("effort", settings.effort, {{"fast", Effort::kFast}, {"best", Effort::kBest}}, "fast or best");
-  read.positiveNumber("threads", settings.threads);
-  read.bytes("max-memory", settings.max_memory);
-  read.positiveNumber("max-import-time", options.max_import_seconds);
-  read.choice("progress", options.progress,
-              {{"auto", ProgressStyle::kAuto},
-               {"bar", ProgressStyle::kBar},
-               {"json", ProgressStyle::kJson},
-               {"none", ProgressStyle::kNone}},
-              "auto, bar, json or none");
-  read.text("cache", options.cache_folder);
-  read.bytes("cache-size", options.cache_bytes);
-  read.text("report", options.report_file);
-  read.text("deps-file", options.dependency_file);
-  if (!options.dependency_file && read.flag("write-deps"))
-    options.dependency_file = options.output.string() + ".d";
-  options.phony_deps = read.flag("deps-phony");
-  read.text("deps-target", options.deps_target);
-  for (const auto& [of_rule, given] : {std::pair("deps-phony", options.phony_deps),
-                                       std::pair("deps-target", options.deps_target.has_value())})
-    if (given && !options.dependency_file)
-      read.fail(of_rule, "is of a rule that is not written; add -MD or -MF FILE, or leave it out");
-  check(values, settings, faults);
+  bool no_distance = false, write_deps = false;
+  Adder add(app);
+  add.option("input", "FILE",
+             "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc), VDB, NVDB, MagicaVoxel (.vox), .binvox or .raw "
+             "file",
+             text(options.input))
+      ->required();
+  add.option("-o,--output", "FILE",
+             "the pack to write; an existing one is replaced when the new one is complete",
+             text(options.output))
+      ->required();
+  addModelOptions(add, options.settings, options);
+  addLookOptions(add, options.settings, no_distance);
+  addRunOptions(add, options, write_deps);
+  try {
+    app.parse(wordsForCli11(words));
+  } catch (const CLI::CallForHelp&) {
+    writeStdout(app.help());
+    return std::nullopt;
+  } catch (const CLI::CallForVersion&) {
+    writeStdout("kelp-bake " KELP_VERSION " (" KELP_BUILD ")\nBakes are " + describe(containmentOfKernel()) +
+                ".\n");
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    misuse(std::string(error.what()) + "; see kelp-bake --help");
+  }
+  options.settings.distance = !no_distance;
+  if (write_deps && !options.dependency_file) options.dependency_file = options.output.string() + ".d";
+  check(options);
   return options;
 }
 

@@ -11,8 +11,6 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#include "kelp/common/console.h"
-
 namespace kelp::bake_cli {
 namespace {
 
@@ -50,16 +48,6 @@ ProgressDisplay::ProgressDisplay(ProgressStyle style) : style_(style) {
   if (style_ == ProgressStyle::kAuto) style_ = isTerminal() ? ProgressStyle::kBar : ProgressStyle::kNone;
 }
 
-void ProgressDisplay::beginAsset(std::size_t number, std::size_t count, const std::string& output,
-                                 double seconds_left) {
-  number_ = number;
-  count_ = count;
-  output_ = output;
-  batch_left_ = seconds_left;
-  asset_begin_ = Clock::now();
-  stage_.clear();
-}
-
 void ProgressDisplay::show(std::string_view stage, double done) {
   if (style_ == ProgressStyle::kNone) return;
   const double share = std::clamp(done, 0.0, 1.0);
@@ -73,54 +61,30 @@ void ProgressDisplay::show(std::string_view stage, double done) {
   stage_ = stage;
   percent_ = percent;
   const double seconds = std::chrono::duration<double>(now - stage_begin_).count();
-  // What is left when it has all been spent is not known; it is not less than nothing.
-  batch_left_now_ =
-      batch_left_ < 0
-          ? -1
-          : std::max(batch_left_ - std::chrono::duration<double>(now - asset_begin_).count(), 0.0);
-  if (style_ == ProgressStyle::kJson) {
-    printJson(share, seconds);
-  } else {
-    drawBar(share, seconds);
-  }
+  style_ == ProgressStyle::kJson ? printJson(share, seconds) : drawBar(share, seconds);
   std::fflush(stderr);
 }
 
 void ProgressDisplay::drawBar(double done, double seconds) {
-  std::string line;
-  if (count_ > 0) line = "[" + std::to_string(number_) + "/" + std::to_string(count_) + "] ";
   const auto filled = static_cast<std::size_t>(percent_ * kWidth / 100);
   char percent[8];
   std::snprintf(percent, sizeof percent, "%3d %%", percent_);
-  line += stage_ + std::string(stage_.size() < 9 ? 9 - stage_.size() : 0, ' ') + " [" +
-          std::string(filled, '#') + std::string(kWidth - filled, '.') + "] " + percent;
+  std::string line = stage_ + std::string(stage_.size() < 9 ? 9 - stage_.size() : 0, ' ') + " [" +
+                     std::string(filled, '#') + std::string(kWidth - filled, '.') + "] " + percent;
   if (done > 0 && done < 1 && seconds >= kEnoughSeconds) {
     char rate[32];
     std::snprintf(rate, sizeof rate, ", %.3g %%/s, ", 100 * done / seconds);
     line += rate + clockText(seconds * (1 - done) / done) + " left";
   }
-  if (batch_left_now_ >= 0) line += "; " + clockText(batch_left_now_) + " left of all";
   std::fputs((kEraseLine + line.substr(0, std::max<std::size_t>(lineWidth(), 2) - 1)).c_str(), stderr);
   drawn_ = true;
 }
 
 void ProgressDisplay::printJson(double done, double seconds) {
-  nlohmann::ordered_json json{{"kind", "progress"}};
-  if (count_ > 0) {
-    json["asset"] = number_;
-    json["assets"] = count_;
-    json["output"] = output_;
-  }
-  json["stage"] = stage_;
-  json["done"] = std::floor(done * 100) / 100;
-  json["seconds"] = seconds;
+  nlohmann::ordered_json json{
+      {"kind", "progress"}, {"stage", stage_}, {"done", std::floor(done * 100) / 100}, {"seconds", seconds}};
   if (done > 0) json["seconds_left"] = seconds * (1 - done) / done;  // of the stage
-  if (batch_left_now_ >= 0) json["batch_seconds_left"] = batch_left_now_;
-  std::fputs(
-      (console::escapeControls(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) +
-       "\n")
-          .c_str(),
-      stderr);
+  std::fputs((json.dump() + '\n').c_str(), stderr);
 }
 
 void ProgressDisplay::clear() {

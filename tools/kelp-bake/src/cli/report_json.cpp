@@ -7,9 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "cli/summary.h"
 #include "kelp/common/console.h"
-#include "kelp/common/json_depth.h"
 #include "kelp/common/output_file.h"
 
 namespace kelp::bake_cli {
@@ -135,39 +133,8 @@ std::string reportJson(const Options& options, const bake::Report& report, const
   json["pack_bytes"] = report.pack_bytes;
   json["pack_xxh128"] = report.pack_hash;
   json["containment"] = {{"landlock", containment.landlock}, {"seccomp", containment.seccomp}};
-  json["cached"] = false;
   json["seconds"] = seconds;
   return console::escapeControls(json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n");
-}
-
-std::string cachedReport(const std::string& report, const Options& options, const bake::FilesUsed& files,
-                         double seconds) {
-  OrderedJson json = OrderedJson::parse(report);
-  json["input"] = options.input.string();
-  json["output"] = options.output.string();
-  json["files"] = filesJson(files);
-  json["stages"] = OrderedJson::array({{{"name", "cache"}, {"seconds", seconds}, {"peak_bytes", 0}}});
-  json["cached"] = true;
-  json["seconds"] = seconds;
-  return console::escapeControls(json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n");
-}
-
-bool isReport(const std::string& text) {
-  constexpr int kMaxDepth = 16;
-  constexpr std::size_t kMaxMembers = 1000;
-  if (nestedDeeper(text, kMaxDepth) || hasLargerObjects(text, kMaxMembers)) return false;
-  const OrderedJson json = OrderedJson::parse(text, nullptr, false);
-  const auto isText = [](const OrderedJson& value) { return value.is_string(); };
-  return json.is_object() && json.contains("input") && isText(json["input"]) && json.contains("notices") &&
-         json["notices"].is_array() && std::all_of(json["notices"].begin(), json["notices"].end(), isText);
-}
-
-std::vector<std::string> noticesOf(const std::string& report) {
-  return OrderedJson::parse(report)["notices"].get<std::vector<std::string>>();
-}
-
-std::string inputOf(const std::string& report) {
-  return OrderedJson::parse(report)["input"].get<std::string>();
 }
 
 void checkDependencies(const Options& options, const bake::FilesUsed& files) {
@@ -180,7 +147,6 @@ void checkDependencies(const Options& options, const bake::FilesUsed& files) {
   check(options.input);
   check(options.output);
   for (const bake::FilesUsed::File& file : files.read) check(file.path);
-  for (const std::filesystem::path& file : options.option_files) check(file);
 }
 
 void writeDependencies(const std::filesystem::path& path, const Options& options,
@@ -189,9 +155,8 @@ void writeDependencies(const std::filesystem::path& path, const Options& options
   for (const bake::FilesUsed::File& file : files.read)
     if (file.path != options.input) others.insert(file.path);
   std::vector<std::string> names;
-  names.reserve(others.size() + options.option_files.size());
+  names.reserve(others.size());
   for (const std::filesystem::path& file : others) names.push_back(escapeForMake(file));
-  for (const std::filesystem::path& file : options.option_files) names.push_back(escapeForMake(file));
   const std::string input = escapeForMake(options.input);
   std::string rule = options.deps_target.value_or(escapeForMake(options.output)) + ": \\\n  " + input;
   for (const std::string& name : names) rule += " \\\n  " + name;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "cli/options.h"
 #include "contained/sandbox.h"
@@ -13,13 +12,6 @@ namespace kelp::bake_cli {
 // The JSON of --report (kelp-bake-report.schema.json).
 std::string reportJson(const Options& options, const bake::Report& report, const Containment& containment,
                        double seconds);
-// The same for a pack from the cache. `report`: of the bake that made it.
-std::string cachedReport(const std::string& report, const Options& options, const bake::FilesUsed& files,
-                         double seconds);
-// Whether a text is a report that these functions can read. Safe for hostile text.
-bool isReport(const std::string& text);
-std::vector<std::string> noticesOf(const std::string& report);
-std::string inputOf(const std::string& report);
 // Throws ToolError kIo if a make rule cannot name one of the files.
 void checkDependencies(const Options& options, const bake::FilesUsed& files);
 // Writes a make rule: the pack depends on all files that were read. Throws ToolError kIo.

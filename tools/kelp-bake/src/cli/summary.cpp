@@ -12,6 +12,7 @@
 
 #include "cli/messages.h"
 #include "kelp/common/console.h"
+#include "kelp/common/memory.h"
 
 namespace kelp::bake_cli {
 namespace {
@@ -31,7 +32,7 @@ const char* keptVoxels(const std::string& format) {
              : "voxels as large as the volume's own (--resolution N to change)";
 }
 
-// What the largest part's longest side has in voxels depends on this; so say where it came from.
+// Prints where the resolution came from.
 std::string printGrain(const Options& options, const std::string& format) {
   if (options.settings.voxel_size)
     return "voxels of " + printLength(*options.settings.voxel_size, options, format);
@@ -115,7 +116,7 @@ void printClips(const bake::Report& report) {
   }
 }
 
-// How well the parts of a skin follow it: the worst of its clips.
+// Prints how far a skin's parts are from it, in the worst clip.
 void printFit(const bake::Report& report) {
   const bake::Report::Clip* worst = nullptr;
   for (const bake::Report::Clip& clip : report.clips)
@@ -132,13 +133,6 @@ void printFit(const bake::Report& report) {
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-std::string printBytes(std::uint64_t bytes) {
-  const double kib = static_cast<double>(bytes) / 1024.0;
-  return kib < 1024          ? fmt::format("{:.1f} KiB", kib)
-         : kib < 1024 * 1024 ? fmt::format("{:.1f} MiB", kib / 1024)
-                             : fmt::format("{:.2f} GiB", kib / (1024 * 1024));
 }
 
 void writeStdout(const std::string& text) {
@@ -194,13 +188,6 @@ void printSummary(const Options& options, const bake::Report& report, double sec
     line += fmt::format(" ({} {:.2f} s) and at most {} of memory", longest->name, longest->seconds,
                         printBytes(peak));
   sayNote(line);
-}
-
-void printCached(const Options& options, const std::vector<std::string>& notices, std::uint64_t pack_bytes,
-                 double seconds) {
-  for (const std::string& notice : notices) sayWarning(notice);
-  sayNote(fmt::format("wrote {} from the cache: {}, in {:.2f} s", options.output.string(),
-                      printBytes(pack_bytes), seconds));
 }
 
 }  // namespace kelp::bake_cli

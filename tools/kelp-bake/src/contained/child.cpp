@@ -33,9 +33,9 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kOwnBytes = std::uint64_t{64} << 20;
 // Stacks count as data: of the bake's own threads and of TBB's.
 constexpr std::uint64_t kThreadsOfEach = 2;
-// Data that the program may have had before, where the system does not say how much.
+// Data of the program before the bake, if /proc does not tell.
 constexpr std::uint64_t kUnknownBytes = std::uint64_t{256} << 20;
-// Progress that nobody could see is not told.
+// The shortest time between two progress messages of a stage.
 constexpr std::chrono::milliseconds kTellEvery{20};
 
 int g_pipe = -1;  // for the handler of forbidden calls
@@ -47,7 +47,7 @@ int g_pipe = -1;  // for the handler of forbidden calls
   endWith(Exit::kRuntime);
 }
 
-// What the system counts against RLIMIT_DATA; where it does not say (without /proc), not less than that.
+// The bytes that the system counts against RLIMIT_DATA. Without /proc, an upper bound.
 std::uint64_t dataBytes() {
   std::ifstream status("/proc/self/status");
   std::string word;
@@ -69,7 +69,7 @@ std::uint64_t stackBytes(int threads) {
   return kThreadsOfEach * count * stack;
 }
 
-// Limits this process for good to `most`, and for now to `bytes`; not beyond what held for it.
+// Limits this process to `bytes`, which it may raise to `most` later. Never beyond the old limits.
 void limit(__rlimit_resource kind, std::uint64_t most, std::uint64_t bytes) {
   rlimit now{};
   if (getrlimit(kind, &now) != 0) return;
@@ -78,7 +78,7 @@ void limit(__rlimit_resource kind, std::uint64_t most, std::uint64_t bytes) {
   setrlimit(kind, &now);
 }
 
-// Memory during and after the import; the size of the output. No core: it would hold as much again.
+// Limits memory during and after the import, and the output's size. No core dumps.
 class ChildLimits {
  public:
   explicit ChildLimits(const bake::Settings& settings)
@@ -91,7 +91,7 @@ class ChildLimits {
     const std::uint64_t output = std::min<std::uint64_t>(files.rlim_cur, physicalMemory());
     limit(RLIMIT_FSIZE, output, output);
     limit(RLIMIT_CORE, 0, 0);
-    // should memory give out, this is the process to end
+    // If memory runs out, the system ends this process first.
     std::ofstream("/proc/self/oom_score_adj") << 1000;
     enter("import");
   }
@@ -104,12 +104,12 @@ class ChildLimits {
   }
 
  private:
-  const std::uint64_t others_, model_;  // what is no model's, and what a model may have
+  const std::uint64_t others_, model_;  // memory of the program, and for the model
   std::uint64_t most_ = 0;
   bool importing_ = false;
 };
 
-// Nothing is open but the two pipes, which libraries print to one of, and the output.
+// Closes all but the output and the two pipes. One pipe becomes stdout and stderr, for libraries.
 void keepOpen(int pipe, int prints, int output) {
   const int nothing = ::open("/dev/null", O_RDONLY);
   ::dup2(nothing, STDIN_FILENO);
@@ -166,7 +166,7 @@ std::vector<std::filesystem::path> placesToRead(const Options& options) {
 
 void runChild(pid_t parent, int pipe, int prints, const Options& options, OutputFile& output) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) endWith(Exit::kRuntime);  // it has ended before it could be watched
+  if (getppid() != parent) endWith(Exit::kRuntime);  // the parent ended before the line above
   hearParentOnly();
   g_pipe = pipe;
   const auto fail = [&](Exit exit, const std::string& what) {
@@ -185,7 +185,7 @@ void runChild(pid_t parent, int pipe, int prints, const Options& options, Output
   } catch (const std::exception& error) {
     fail(Exit::kRuntime, input + ": unexpected: " + error.what() + "; please report this as a defect");
   }
-  endWith(Exit::kOk);  // at an orderly exit log4cplus would wait for its threads, and here they are not
+  endWith(Exit::kOk);  // exit() would wait for log4cplus's threads, which this process does not have
 }
 
 }  // namespace kelp::bake_cli

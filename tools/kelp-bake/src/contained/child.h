@@ -12,12 +12,12 @@
 
 namespace kelp::bake_cli {
 
-// What the child may read, by name: the files that this format and these options read, and the input's folder
-// with all below. A link in that folder that leads out of it cannot be followed, unless it is one of those
+// The paths that the child may read: the files that this format and these options name, and the input's
+// folder with all below. A link that leads out of that folder cannot be followed, unless it is one of those
 // files.
 std::vector<std::filesystem::path> placesToRead(const Options& options);
 
-// Bakes into `output` and tells `pipe` how it goes. What libraries print goes to `prints`. Never returns.
+// Bakes into `output` and sends messages to `pipe`. Output of libraries goes to `prints`. Never returns.
 [[noreturn]] void runChild(pid_t parent, int pipe, int prints, const Options& options, OutputFile& output);
 
 }  // namespace kelp::bake_cli

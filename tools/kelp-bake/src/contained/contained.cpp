@@ -29,17 +29,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// How often the parent looks up.
+// The parent checks for signals and timeouts this often.
 constexpr std::chrono::milliseconds kTick{200};
-// How long the child may go on after Ctrl-C: while it imports, no one can stop it in order; else it looks up
-// itself, but in a model made to do harm perhaps not for hours.
+// Time that the child gets after Ctrl-C. An import cannot be stopped in order; later stages poll, but with a
+// hostile model perhaps not for hours.
 constexpr std::chrono::milliseconds kImportGrace = kTick, kGrace{5000};
-// Of what libraries print, as much is told if they crash.
+// Bytes of library output that are shown if the child crashes.
 constexpr std::size_t kMostPrinted = 1000;
 
-// Waits until all other threads of this process sleep, for a moment at most. log4cplus, which comes with
-// OpenVDB, has started some before main, which may still be on their way to sleep: forked off just then, the
-// child would have their locks for ever, such as an allocator's.
+// Waits until all other threads of this process sleep, for 0.1 s at most. OpenVDB's log4cplus starts some
+// before main. A child that is forked while they still run keeps their locks for ever, such as the
+// allocator's.
 void waitForOthers() {
   const std::string self = std::to_string(gettid());
   const auto sleep = [&self] {
@@ -52,12 +52,12 @@ void waitForOthers() {
       const std::size_t name_end = stat.rfind(')');
       if (name_end != std::string::npos && stat.compare(name_end, 3, ") S") != 0) return false;
     }
-    return true;  // or this system does not say
+    return true;  // or there is no /proc
   };
   for (int i = 0; i < 100 && !sleep(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-// What the child reads has a name: it has no descriptors of its parent's.
+// The child opens its inputs by path, and more than once. It inherits no descriptors.
 void checkKinds(const Options& options) {
   for (const std::filesystem::path& path : placesToRead(options)) {
     std::error_code error;
@@ -86,12 +86,12 @@ struct Pipe {
   }
 };
 
-// The child as its parent sees it.
+// The child process, watched by its parent.
 class Child {
  public:
   Child(const Options& options, OutputFile& output, const std::function<void(const Stage&)>& show)
       : options_(options), show_(show) {
-    std::fflush(nullptr);           // or the child would write it, too
+    std::fflush(nullptr);           // otherwise the child would write it too
     std::signal(SIGCHLD, SIG_DFL);  // if it were ignored, waitpid() would not return the child's status
     const pid_t self = ::getpid();
     if (words_.from >= 0 && prints_.from >= 0) {
@@ -118,7 +118,7 @@ class Child {
   Contained watch() {
     for (auto last = Clock::now(); listen();) {
       const auto now = Clock::now();
-      // a program that was stopped (Ctrl-Z) has not spent the time
+      // The time while this program was stopped (Ctrl-Z) does not count.
       spend(std::min<Clock::duration>(now - last, 2 * kTick));
       last = now;
     }
@@ -146,7 +146,7 @@ class Child {
                           : " after the file was read";
   }
 
-  // Waits for words, for a tick at most. false: there will be no more.
+  // Waits for messages, for a tick at most. Returns false at their end.
   bool listen() {
     std::array<pollfd, 2> waiting{{{words_.from, POLLIN, 0}, {prints_.from, POLLIN, 0}}};
     if (::poll(waiting.data(), waiting.size(), static_cast<int>(kTick.count())) <= 0) return true;
@@ -215,7 +215,7 @@ class Child {
          "; it may be damaged, or made to do harm; if it is neither, give a larger --max-import-time");
   }
 
-  // Its status, of a process that has said all. If it does not end, it is killed.
+  // The status of a child that has closed its pipe. SIGKILL if it does not end.
   int end() {
     int status = 0;
     for (auto waited = Clock::duration{0}; ::waitpid(process_, &status, WNOHANG) == 0; waited += kTick / 20) {
@@ -256,7 +256,7 @@ class Child {
   std::optional<Contained> done_;
   std::optional<ToolError> error_;
   std::optional<int> forbidden_;
-  Clock::duration spent_{0};  // by the import, or since a later step has moved
+  Clock::duration spent_{0};  // by the import, or since the last progress of a later step
   std::optional<Clock::duration> since_interrupt_;
 };
 

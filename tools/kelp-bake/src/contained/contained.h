@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Runs a bake in a child process. Libraries that read files are not safe for hostile input. The child gives
-// up what it does not need before it opens one, and if it crashes, hangs, uses up the memory or does what no
-// reader does, only the child ends, and this process reports an error.
+// Runs a bake in a sandboxed child process, because libraries that read files are not safe for hostile input.
+// If the child crashes, hangs, fills the memory or makes a forbidden call, only the child ends, and this
+// process reports an error.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@ namespace kelp::bake_cli {
 
 struct Contained {
   bake::Report report;
-  Containment containment;  // what held for the child
+  Containment containment;  // of the child
 };
 
 // Bakes `options.input` into `output` in a child process; commit() is the caller's, after it has checked the

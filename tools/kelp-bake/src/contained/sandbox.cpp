@@ -6,7 +6,10 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
+#include <iterator>
 #include <memory>
+#include <span>
+#include <sstream>
 #include <string_view>
 
 #include <fcntl.h>
@@ -23,10 +26,11 @@
 namespace kelp::bake_cli {
 namespace {
 
-// --- Landlock: glibc has no functions for it, and older headers know less than newer kernels ---------------
+// --- Landlock: glibc has no functions for it, and headers may be older than the kernel
+// ----------------------
 
 constexpr std::uint64_t kFirstRights = (std::uint64_t{1} << 13) - 1;
-// Linked elsewhere, truncated, asked as a device: with versions 2, 3 and 5.
+// Rights of versions 2, 3 and 5.
 constexpr std::uint64_t kRefer = std::uint64_t{1} << 13, kTruncate = std::uint64_t{1} << 14,
                         kIoctl = std::uint64_t{1} << 15;
 
@@ -40,8 +44,7 @@ int landlockVersion() {
   return version > 0 ? static_cast<int>(version) : 0;
 }
 
-// Programs load code, zones and the machine's properties from here at any time. What is of one user is not
-// among it.
+// Programs load code, time zones and properties of the machine from here at any time. No user's files.
 constexpr std::array kOfTheSystem{
     "/usr/lib",     "/usr/lib64",          "/usr/local/lib", "/lib",
     "/lib64",       "/proc/self",          "/proc/meminfo",  "/proc/cpuinfo",
@@ -49,7 +52,7 @@ constexpr std::array kOfTheSystem{
     "/dev/urandom", "/etc/ld.so.cache",    "/etc/localtime", "/usr/share/zoneinfo"};
 
 void allow(int rules, const std::filesystem::path& path) {
-  // The call itself: nothing may stand between before the rules hold, such as a library that was preloaded.
+  // The call itself, because a preloaded library may replace open().
   const int place = static_cast<int>(syscall(SYS_openat, AT_FDCWD, path.c_str(), O_PATH | O_CLOEXEC, 0));
   if (place < 0) return;
   struct stat status {};
@@ -76,82 +79,45 @@ bool restrictFiles(int version, const std::vector<std::filesystem::path>& readab
 
 // --- seccomp ----------------------------------------------------------------------------------------------
 
-// Calls that no reader of files makes, each with what it is for.
 struct Forbidden {
   std::string_view what;
-  std::vector<const char*> calls;
+  const char* calls;
 };
 
-const std::vector<Forbidden>& forbiddenCalls() {
-  static const std::vector<Forbidden> all{
-      {"starting a program", {"execve", "execveat"}},
-      {"opening a socket", {"socket", "socketpair"}},
-      {"starting a process", {"fork", "vfork"}},
-      {"looking into another process",
-       {"ptrace", "process_vm_readv", "process_vm_writev", "process_madvise", "pidfd_open", "pidfd_getfd"}},
-      {"sending a signal", {"tkill", "rt_sigqueueinfo", "rt_tgsigqueueinfo", "pidfd_send_signal"}},
-      {"changing a file",
-       {"creat",     "truncate",  "rename",      "renameat",     "renameat2",   "link",      "linkat",
-        "symlink",   "symlinkat", "unlink",      "unlinkat",     "mkdir",       "mkdirat",   "rmdir",
-        "mknod",     "mknodat",   "chmod",       "fchmod",       "fchmodat",    "chown",     "lchown",
-        "fchown",    "fchownat",  "utime",       "utimes",       "utimensat",   "futimesat", "setxattr",
-        "lsetxattr", "fsetxattr", "removexattr", "lremovexattr", "fremovexattr"}},
-      {"sharing memory or messages with another process",
-       {"shmget", "shmat", "semget", "msgget", "mq_open", "mq_unlink", "memfd_create"}},
-      {"changing who gets the processor first",
-       {"setpriority", "ioprio_set", "sched_setattr", "sched_setparam", "sched_setscheduler"}},
-      {"changing the system",
-       {"mount",
-        "umount2",
-        "pivot_root",
-        "chroot",
-        "setns",
-        "unshare",
-        "swapon",
-        "swapoff",
-        "reboot",
-        "sethostname",
-        "settimeofday",
-        "clock_settime",
-        "init_module",
-        "finit_module",
-        "delete_module",
-        "kexec_load",
-        "bpf",
-        "perf_event_open",
-        "userfaultfd",
-        "keyctl",
-        "add_key",
-        "request_key",
-        "open_by_handle_at",
-        "move_mount",
-        "open_tree",
-        "fsopen",
-        "fsmount",
-        "mount_setattr",
-        "fsconfig",
-        "fspick",
-        "kexec_file_load",
-        "iopl",
-        "ioperm",
-        "acct",
-        "quotactl",
-        "adjtimex",
-        "clock_adjtime",
-        "setdomainname",
-        "syslog"}}};
-  return all;
-}
+// Calls that no reader of files makes.
+constexpr Forbidden kForbiddenCalls[] = {
+    {"starting a program", "execve execveat"},
+    {"opening a socket", "socket socketpair"},
+    {"starting a process", "fork vfork"},
+    {"looking into another process",
+     "ptrace process_vm_readv process_vm_writev process_madvise pidfd_open pidfd_getfd"},
+    {"sending a signal", "tkill rt_sigqueueinfo rt_tgsigqueueinfo pidfd_send_signal"},
+    {"changing a file",
+     "creat truncate rename renameat renameat2 link linkat symlink symlinkat unlink unlinkat mkdir mkdirat "
+     "rmdir mknod mknodat chmod fchmod fchmodat chown lchown fchown fchownat utime utimes utimensat "
+     "futimesat setxattr lsetxattr fsetxattr removexattr lremovexattr fremovexattr"},
+    {"sharing memory or messages with another process",
+     "shmget shmat semget msgget mq_open mq_unlink memfd_create"},
+    {"changing who gets the processor first",
+     "setpriority ioprio_set sched_setattr sched_setparam sched_setscheduler"},
+    {"changing the system",
+     "mount umount2 pivot_root chroot setns unshare swapon swapoff reboot sethostname settimeofday "
+     "clock_settime init_module finit_module delete_module kexec_load bpf perf_event_open userfaultfd "
+     "keyctl add_key request_key open_by_handle_at move_mount open_tree fsopen fsmount mount_setattr "
+     "fsconfig fspick kexec_file_load iopl ioperm acct quotactl adjtimex clock_adjtime setdomainname syslog"},
+};
 
-// Calls that readers make, too, but not for this; filterCalls() tells these uses by their arguments.
-const std::vector<Forbidden>& forbiddenUses() {
-  static const std::vector<Forbidden> all{{"opening a file for writing", {"open", "openat"}},
-                                          {"starting a process", {"clone"}},
-                                          {"sending a signal", {"kill", "tgkill"}},
-                                          {"changing another process", {"prlimit64", "sched_setaffinity"}},
-                                          {"memory that no limit counts", {"mmap"}},
-                                          {"typing for the user", {"ioctl"}}};
-  return all;
+// Uses of other calls that no reader makes. filterCalls() tells them by their arguments.
+constexpr Forbidden kForbiddenUses[] = {{"opening a file for writing", "open openat"},
+                                        {"starting a process", "clone"},
+                                        {"sending a signal", "kill tgkill"},
+                                        {"changing another process", "prlimit64 sched_setaffinity"},
+                                        {"memory that no limit counts", "mmap"},
+                                        {"typing for the user", "ioctl"}};
+
+std::vector<std::string> callsOf(const Forbidden& group) {
+  std::istringstream words(group.calls);
+  return {std::istream_iterator<std::string>(words), {}};
 }
 
 struct CloseFilter {
@@ -163,7 +129,7 @@ scmp_arg_cmp where(unsigned argument, scmp_compare how, std::uint64_t first, std
   return {argument, how, first, second};
 }
 
-// Adds a rule; false if that fails. A call that this processor does not have needs none.
+// Adds a rule. Returns false if that fails. A call that this processor does not have needs none.
 template <class... Conditions>
 bool rule(const Filter& filter, std::uint32_t action, const char* call, Conditions... conditions) {
   const int number = seccomp_syscall_resolve_name(call);
@@ -173,7 +139,7 @@ bool rule(const Filter& filter, std::uint32_t action, const char* call, Conditio
                                 all.data()) == 0;
 }
 
-// open() for anything but reading. `flags`: which argument has them.
+// Forbids open() for anything but reading. `flags`: the index of that argument.
 bool forbidWriting(const Filter& filter, const char* call, unsigned flags) {
   bool added = true;
   for (const std::uint64_t mode : {O_WRONLY, O_RDWR})
@@ -187,21 +153,20 @@ bool filterCalls() {
   const Filter filter(seccomp_init(SCMP_ACT_ALLOW));
   if (!filter) return false;
   bool added = true;
-  for (const Forbidden& group : forbiddenCalls())
-    for (const char* const call : group.calls) added &= rule(filter, SCMP_ACT_TRAP, call);
+  for (const Forbidden& group : kForbiddenCalls)
+    for (const std::string& call : callsOf(group)) added &= rule(filter, SCMP_ACT_TRAP, call.c_str());
   added &= forbidWriting(filter, "open", 1) && forbidWriting(filter, "openat", 2);
-  // A filter cannot look into what a pointer leads to. Their callers have other ways: glibc starts threads by
-  // clone() then.
+  // A filter cannot read through pointers. Without these calls glibc uses others: clone() for threads.
   for (const char* const call : {"clone3", "openat2", "io_uring_setup"})
     added &= rule(filter, SCMP_ACT_ERRNO(ENOSYS), call);
   added &= rule(filter, SCMP_ACT_TRAP, "clone", where(0, SCMP_CMP_MASKED_EQ, CLONE_THREAD));
-  // To itself alone, as abort() does; 0 is the whole group, of which the parent is one.
+  // Signals to itself alone, as abort() sends; 0 is the whole group with the parent.
   const auto self = static_cast<std::uint64_t>(getpid());
   for (const char* const call : {"kill", "tgkill"})
     added &= rule(filter, SCMP_ACT_TRAP, call, where(0, SCMP_CMP_NE, self));
   for (const char* const call : {"prlimit64", "sched_setaffinity"})
     added &= rule(filter, SCMP_ACT_TRAP, call, where(0, SCMP_CMP_NE, 0));  // 0: of itself
-  // RLIMIT_DATA does not count memory that could be shared.
+  // RLIMIT_DATA does not count shared memory.
   constexpr std::uint64_t kShared = MAP_SHARED | MAP_ANONYMOUS;
   added &= rule(filter, SCMP_ACT_TRAP, "mmap", where(3, SCMP_CMP_MASKED_EQ, kShared, kShared));
   added &= rule(filter, SCMP_ACT_TRAP, "ioctl", where(1, SCMP_CMP_MASKED_EQ, 0xffffffff, TIOCSTI));
@@ -213,7 +178,7 @@ void (*g_forbidden)(int) = nullptr;
 }  // namespace
 
 Containment containmentOfKernel() {
-  // 0: there is a filter already or none; either way there could be one
+  // 0 or more: seccomp exists
   return {landlockVersion(), prctl(PR_GET_SECCOMP) >= 0};
 }
 
@@ -232,7 +197,7 @@ Containment giveUpAllBut(const std::vector<std::filesystem::path>& readable, voi
   action.sa_flags = SA_SIGINFO | SA_NODEFER;
   sigaction(SIGSYS, &action, nullptr);
   Containment held;
-  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return held;  // neither may be had without
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return held;  // both need it
   if (const int version = landlockVersion(); version > 0 && restrictFiles(version, readable))
     held.landlock = version;
   held.seccomp = filterCalls();
@@ -243,9 +208,10 @@ std::string nameOfCall(int call) {
   char* const found = seccomp_syscall_resolve_num_arch(SCMP_ARCH_NATIVE, call);
   const std::string name = found ? found : std::to_string(call);
   std::free(found);
-  for (const std::vector<Forbidden>& groups : {forbiddenCalls(), forbiddenUses()})
+  for (const std::span<const Forbidden> groups :
+       {std::span<const Forbidden>(kForbiddenCalls), std::span<const Forbidden>(kForbiddenUses)})
     for (const Forbidden& group : groups)
-      for (const char* const one : group.calls)
+      for (const std::string& one : callsOf(group))
         if (name == one) return name + " (" + std::string(group.what) + ")";
   return name;
 }

@@ -17,7 +17,7 @@ namespace {
 
 using bake::Report;
 
-// The fields of each struct, in the order of the wire. Both ends are one program.
+// The fields of each struct in the order of the wire. Both ends are one program.
 auto fieldsOf(glm::ivec3& v) { return std::tie(v.x, v.y, v.z); }
 auto fieldsOf(bake::MeshCounts& c) {
   return std::tie(c.vertices, c.triangles, c.boundary_edges, c.boundaries, c.non_manifold_edges, c.dropped);
@@ -46,8 +46,7 @@ auto fieldsOf(Report::Clip& c) {
 }
 auto fieldsOf(Report& r) {
   return std::tie(r.format, r.stages, r.parts, r.clips, r.notices, r.files, r.materials, r.images,
-                  r.palette_entries, r.palette_materials, r.palette_error, r.estimated_bytes, r.pack_bytes,
-                  r.pack_hash);
+                  r.palette_entries, r.palette_materials, r.palette_error, r.estimated_bytes);
 }
 auto fieldsOf(Stage& s) { return std::tie(s.name, s.done, s.estimated_bytes); }
 auto fieldsOf(Containment& c) { return std::tie(c.landlock, c.seccomp); }
@@ -82,7 +81,7 @@ class Packer {
   std::string bytes_;
 };
 
-// Takes no more memory than some times that of the bytes: a vector grows as its elements come.
+// Takes at most a few times the memory of the bytes: a vector grows as its elements come.
 class Unpacker {
  public:
   explicit Unpacker(std::string_view bytes) : left_(bytes) {}
@@ -109,7 +108,7 @@ class Unpacker {
     return *this;
   }
   void end() const {
-    if (!left_.empty()) throw std::length_error("bytes that nothing is said of");
+    if (!left_.empty()) throw std::length_error("trailing bytes");
   }
 
  private:
@@ -130,7 +129,7 @@ class Unpacker {
 
 constexpr std::uint32_t kMostOfError = 64 << 10;
 constexpr std::uint32_t kMostOfOthers = 1 << 10;
-// A report of as many parts as a pack may have, and of all their components, takes half of this.
+// A report of the most parts that a pack may have, with all their components, takes half of this.
 constexpr std::uint32_t kMostOfReport = 64 << 20;
 constexpr std::size_t kHead = sizeof(Word) + sizeof(std::uint32_t);
 
@@ -149,7 +148,7 @@ std::uint32_t mostBytes(Word word) {
 
 }  // namespace
 
-// In one call, so that no other thread's message comes between head and content. Fit for a signal handler.
+// One call, so that no other thread's message comes between head and content. Safe in a signal handler.
 bool tell(int pipe, Word word, std::string_view content) {
   std::array<char, kHead> head;
   const auto size = static_cast<std::uint32_t>(content.size());
@@ -187,7 +186,7 @@ std::string packed(const ToolError& error) {
 Stage unpackedStage(std::string_view content) {
   Stage stage;
   Unpacker(content).take(stage).end();
-  // it goes to the terminal
+  // The name goes to the terminal.
   if (!std::all_of(stage.name.begin(), stage.name.end(), [](char c) { return c >= ' ' && c <= '~'; }))
     throw std::out_of_range("a step without a name");
   return stage;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the child process that bakes tells its parent, through a pipe. The parent believes none of it: each
-// kind of message has a bound, each field a fixed place, and what makes no sense ends the child.
+// Messages from the child that bakes to its parent, through a pipe. The parent trusts none of them: each kind
+// has a bound, each field a fixed place, and a malformed one ends the child.
 #pragma once
 
 #include <cstddef>
@@ -14,12 +14,12 @@
 
 namespace kelp::bake_cli {
 
-// What each message holds.
+// Kinds of messages.
 enum class Word : std::uint8_t {
-  kProgress,   // how far it is
+  kProgress,   // a Stage
   kDone,       // the report
   kFailed,     // an error
-  kForbidden,  // a call that it may not make (an int); the child ends
+  kForbidden,  // the number of a forbidden call (an int); the child ends
 };
 
 struct Stage {
@@ -28,19 +28,19 @@ struct Stage {
   std::uint64_t estimated_bytes = 0;  // of memory; 0: not known yet
 };
 
-// Writes a message to the pipe. false: nobody reads.
+// Writes a message to the pipe. Returns false if the other end is closed.
 bool tell(int pipe, Word word, std::string_view content);
 
 std::string packed(const Stage& stage);
 std::string packed(const bake::Report& report, const Containment& containment);
 std::string packed(const ToolError& error);
 
-// The contents again; std::exception of text that is none.
+// Read a message. Throw a std::exception if it is malformed.
 Stage unpackedStage(std::string_view content);
 void unpack(std::string_view content, bake::Report& report, Containment& containment);
 ToolError unpackedError(std::string_view content);
 
-// Cuts what comes from the pipe into messages.
+// Splits the bytes of the pipe into messages.
 class Messages {
  public:
   struct Message {

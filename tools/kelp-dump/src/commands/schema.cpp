@@ -26,13 +26,11 @@ std::string schemaNamed(const std::string& name) {
   if (name.empty()) return kDumpSchema;
   if (name == "rig") return kRigSchema;
   if (name == "bake-report") return kReportSchema;
-  if (name == "bake-batch") return kBatchSchema;
-  if (name == "bake-plan") return kPlanSchema;
   if (name == "bake-progress") return kProgressSchema;
   if (name == "info" || name == "verify" || name == "diff") return schemaOfCommand(name);
   throw ToolError(Exit::kUsage, "schema " + nameText(name, 40) +
                                     ": there is no schema of this name; choose info, verify, diff, rig, "
-                                    "bake-report, bake-batch, bake-plan or bake-progress");
+                                    "bake-report or bake-progress");
 }
 
 }  // namespace
@@ -47,9 +45,8 @@ Command addSchema(CLI::App& app) {
   command
       ->add_option("NAME", *name,
                    "info, verify, diff: what --format json prints; rig: what kelp-bake --rig reads; "
-                   "bake-report, bake-batch: what kelp-bake --report writes for one asset, for a batch; "
-                   "bake-plan, bake-progress: what --plan and --progress json print")
-      ->option_text("info|verify|diff|rig|bake-report|bake-batch|bake-plan|bake-progress [all of kelp-dump]");
+                   "bake-report, bake-progress: what kelp-bake --report and --progress json write")
+      ->option_text("info|verify|diff|rig|bake-report|bake-progress [all of kelp-dump]");
   return {command, [name] {
             print(schemaNamed(*name));
             return Exit::kOk;

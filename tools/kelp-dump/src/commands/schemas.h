@@ -7,8 +7,6 @@ namespace kelp::dump {
 extern const char* const kDumpSchema;      // tools/kelp-dump/kelp-dump.schema.json
 extern const char* const kRigSchema;       // tools/rig/rig.schema.json
 extern const char* const kReportSchema;    // tools/kelp-bake/kelp-bake-report.schema.json
-extern const char* const kBatchSchema;     // tools/kelp-bake/kelp-bake-batch.schema.json
-extern const char* const kPlanSchema;      // tools/kelp-bake/kelp-bake-plan.schema.json
 extern const char* const kProgressSchema;  // tools/kelp-bake/kelp-bake-progress.schema.json
 
 }  // namespace kelp::dump

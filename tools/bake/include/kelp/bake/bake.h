@@ -23,7 +23,7 @@
 
 namespace kelp::bake {
 
-// What the user asks of a bake.
+// The options of a bake.
 struct Settings : ImportSettings {
   Fill fill = Fill::kAuto;
   std::optional<std::filesystem::path> palette_file;  // the palette's colours; see readPalette
@@ -85,7 +85,7 @@ struct Report {
   double palette_error = 0;
   std::uint64_t estimated_bytes = 0;  // of memory, announced before the work
   std::uint64_t pack_bytes = 0;
-  std::string pack_hash;  // of the pack's bytes, by Hash (kelp/common/hash.h)
+  std::string pack_hash;  // of the pack's bytes, by Hash (kelp/common/hash.h); kelp-bake sets it
 };
 
 // --- 1. palette ----------------------------------------------------------------------------------
@@ -130,32 +130,17 @@ std::vector<RawLevel> buildFogLevels(FogGrid grid, int levels, int threads, cons
 std::vector<RawDistances> buildDistances(const RawPart& part, int threads, const Progress& progress);
 
 // --- all of it -----------------------------------------------------------------------------------
-// Every invalid setting, as a ToolError kUsage that names the option. bake() throws the first.
-std::vector<ToolError> settingsFaults(const Settings& settings);
+// Throws ToolError kUsage, which names the option, for an invalid setting. bake() calls it first.
+void checkSettings(const Settings& settings);
 // Bakes a file to a pack in memory. Safe for hostile input.
 RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report,
              const Progress& progress = {});
-// A pack's INFO text (version, options, files with hashes), and the files it names.
-struct Recipe {
-  std::string info;
-  FilesUsed files;
-};
-// The recipe as far as it is known before the input is read. Two bakes of one input with equal recipes read
-// the same files, as long as those files do not change.
-Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings);
-// The recipe of a pack with this INFO, with the files' content as it is now. The text equals `info` if
-// nothing changed; equal texts mean equal packs. nullopt if bake() did not write `info`. Throws ToolError kIo
-// for a file that cannot be read. Safe for hostile text. The text cannot spell names that are not UTF-8: they
-// are taken from `told`, if it has them.
-std::optional<Recipe> recipeNow(const std::string& info, const std::filesystem::path& input,
-                                const Settings& settings, const FilesUsed& told = {});
-// Whether bake() would write this pack again: it is whole, and this version baked it with these settings from
-// files with the same hashes; files that were looked for and not found must still be missing. Reads the whole
-// pack. Never throws: a missing, damaged or hostile pack is not current.
-bool isCurrent(const std::filesystem::path& pack, const std::filesystem::path& input,
-               const Settings& settings);
-// Writes the pack's bytes into a file that the caller commits, and their number and hash into the report.
-// Throws ToolError kIo.
+// The text with which the INFO of every pack of this input begins: version, name, format and hash.
+// `xxh3`: hashFile(input).
+std::string sourceInfo(const std::filesystem::path& input, const std::string& format,
+                       const std::string& xxh3);
+// Writes the pack's bytes into a file that the caller commits, and their number into the report. Throws
+// ToolError kIo.
 void writePackInto(const RawPack& pack, OutputFile& file, int threads, Report& report,
                    const Progress& progress = {}, Effort effort = Effort::kFast);
 // The same, whole: to a temporary file beside `path`, flushes it to disk and renames it to `path`. So an

@@ -63,7 +63,7 @@ inline std::string nameOf(const std::filesystem::path& path) {
   return {text.begin(), text.end()};
 }
 
-// Whether the file is a pipe. Reading can read it, but its size is unknown.
+// True if the file is a pipe. Reading can read it, but its size is unknown.
 bool isPipe(const std::string& path);
 
 }  // namespace kelp::console

@@ -19,8 +19,8 @@ enum class Exit : int {
   kInterrupted = 130
 };
 
-// What the tools' libraries throw. Each program catches it in main() and ends with `exit`.
-// what() is one line: file, place, what is wrong; what to do.
+// The exception of the tools' libraries. Each program catches it in main() and ends with `exit`.
+// what() is one line: file, place, fault; remedy.
 struct ToolError : std::runtime_error {
   ToolError(Exit code, const std::string& what) : std::runtime_error(what), exit(code) {}
   Exit exit;

@@ -32,9 +32,8 @@ inline std::optional<std::size_t> nestedDeeper(std::string_view text, int most) 
   return {};
 }
 
-// Whether an object has more than `most` members, or all objects together so many that finding each key among
-// those before it would take longer than in four objects of `most` members. Any answer for text that is not
-// JSON.
+// True if an object has more than `most` members, or if finding each key of all objects among those before it
+// would take longer than in four objects of `most` members. Any answer for text that is not JSON.
 inline bool hasLargerObjects(std::string_view text, std::size_t most) {
   std::vector<std::size_t> members;  // for each open bracket
   std::size_t compared = 0;

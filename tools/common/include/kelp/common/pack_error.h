@@ -13,7 +13,7 @@ namespace kelp {
 
 // The exit code for an error of a pack.
 Exit exitOf(ErrorCode code);
-// What to do about it: a few words without a full stop. Static storage.
+// The remedy: a few words without a full stop. Static storage.
 const char* remedyOf(ErrorCode code);
 
 // Throws a ToolError for an error of the pack `path`: "reed.kelp: part 0 'reed': byte 4096: checksum

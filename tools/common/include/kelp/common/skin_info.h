@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a pack's INFO says of the skin that its parts were made from. Safe for hostile text.
+// The skin that a pack's parts were made from, read from INFO. Safe for hostile text.
 #pragma once
 
 #include <cstddef>
@@ -23,11 +23,11 @@ struct PartSkin {
   std::optional<PartFit> fit;       // nullopt: not known, or numbers that make no sense
 };
 
-// One entry for each of so many parts. What INFO does not say, or says wrongly, is empty.
+// One entry for each part. Missing or wrong members of INFO give empty ones.
 std::vector<PartSkin> readSkin(std::string_view info_json, std::size_t parts);
 // Of the pack's parts. Without clips nothing moves, so no fit is known.
 std::vector<PartSkin> skinOf(const Pack& pack);
-// Whether the fit of any part is known.
+// True if the fit of any part is known.
 bool knowsFit(const std::vector<PartSkin>& skin);
 
 }  // namespace kelp

@@ -97,7 +97,7 @@ struct RigDescription {
 inline constexpr std::size_t kMaxSockets = 1024;
 inline constexpr int kMinSkinKnots = 3, kMaxSkinKnots = 24;
 inline constexpr int kMaxSkinPieces = 256, kMaxSkinParts = 1024;  // of one group; of all
-// How a part bends whose rig does not say.
+// The bend of a part whose rig does not name one.
 inline constexpr Bend kDefaultBend = Bend::kShear;
 std::optional<Bend> parseBend(std::string_view text);  // "shear", "sweep"
 const char* toString(Bend bend);
@@ -105,8 +105,8 @@ const char* toString(Bend bend);
 double rollInDegrees(float roll);
 float rollOfDegrees(double degrees);
 
-// What parseRig, printRig and proveClip throw. what() is one line: the place (a JSON pointer, or clip and
-// knot), what is wrong, what to do.
+// The exception of parseRig, printRig and proveClip. what() is one line: the place (a JSON pointer, or clip
+// and knot), the fault, the remedy.
 struct RigError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
