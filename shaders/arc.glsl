@@ -44,7 +44,7 @@ KELP_FN float kelpArcTangent(float x2) {
                                        x2 * (0.0429096138f + x2 * (-0.0161657367f + x2 * 0.0028662257f)))))));
 }
 
-// Where a point of the undeformed part is in part space: `x`, `z` from the centre line.
+// Where a point of the undeformed part is in part space: `x`, `z` from the center line.
 KELP_FN vec3 kelpSweepPoint(KelpArc g, float x, float y, float z) {
   float a = (y - g.y) / g.rise;
   float angle = g.curvature * a;

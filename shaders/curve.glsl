@@ -98,7 +98,7 @@ KELP_FN float kelpOutsideStep(KelpCurve c, float b, vec3 q, vec3 gap) {
 // How far b may go from q, which lies in an empty box (except for rounding), when nothing solid is nearer to
 // q's brick than `clearance`: to where the curve can first leave the box (enlarged by KELP_ERODE), or along
 // an arc as long as the clearance, whichever is farther.
-KELP_FN float kelpStep(KelpCurve c, float b, vec3 q, vec3 centre, vec3 half_size, float clearance) {
+KELP_FN float kelpStep(KelpCurve c, float b, vec3 q, vec3 center, vec3 half_size, float clearance) {
   vec3 half_bend = c.c2 + (3.0f * b) * c.c3;
   vec3 slope = c.c1 + b * (c.c2 + half_bend);
   float speed2 = max(dot(slope, slope), 1e-30f);
@@ -111,12 +111,12 @@ KELP_FN float kelpStep(KelpCurve c, float b, vec3 q, vec3 centre, vec3 half_size
   float limit = min(2.08f * length(half_size) * per_speed, range);
   vec3 ahead_sign =
       vec3(slope.x < 0.0f ? -1.0f : 1.0f, slope.y < 0.0f ? -1.0f : 1.0f, slope.z < 0.0f ? -1.0f : 1.0f);
-  vec3 from_centre = ahead_sign * (q - centre);
+  vec3 from_center = ahead_sign * (q - center);
   vec3 along = abs(slope);
   vec3 bends = ahead_sign * half_bend;
   vec3 room = half_size + vec3(KELP_ERODE);
-  vec3 ahead = max(room - from_centre, vec3(0.25f * KELP_ERODE));
-  vec3 behind = max(room + from_centre, vec3(0.25f * KELP_ERODE));
+  vec3 ahead = max(room - from_center, vec3(0.25f * KELP_ERODE));
+  vec3 behind = max(room + from_center, vec3(0.25f * KELP_ERODE));
   vec3 high = bends + limit * twists;
   vec3 low = bends - limit * twists;
   vec3 k = along * along + 4.0f * high * ahead;
@@ -140,20 +140,20 @@ KELP_FN float kelpStep(KelpCurve c, float b, vec3 q, vec3 centre, vec3 half_size
 
 // The empty box that a code promises around its voxel, in voxels. `within_brick`: cut at the brick's faces.
 struct KelpBox {
-  vec3 centre;
+  vec3 center;
   vec3 half_size;
 };
 KELP_FN KelpBox kelpCodeBox(uint code, ivec3 voxel, bool within_brick) {
   KelpBox box;
-  box.centre = vec3(float(voxel.x) + 0.5f, float(voxel.y) + 0.5f, float(voxel.z) + 0.5f);
+  box.center = vec3(float(voxel.x) + 0.5f, float(voxel.y) + 0.5f, float(voxel.z) + 0.5f);
   box.half_size = vec3(float(1u << (code & 3u)) - 0.5f, float(1u << ((code >> 2u) & 3u)) - 0.5f,
                        float(1u << (code >> 4u)) - 0.5f);
   if (within_brick) {
     vec3 corner =
         vec3(float(voxel.x - (voxel.x & 7)), float(voxel.y - (voxel.y & 7)), float(voxel.z - (voxel.z & 7)));
-    vec3 low = max(box.centre - box.half_size, corner);
-    vec3 high = min(box.centre + box.half_size, corner + vec3(8.0f));
-    box.centre = 0.5f * (low + high);
+    vec3 low = max(box.center - box.half_size, corner);
+    vec3 high = min(box.center + box.half_size, corner + vec3(8.0f));
+    box.center = 0.5f * (low + high);
     box.half_size = 0.5f * (high - low);
   }
   return box;
@@ -164,7 +164,7 @@ KELP_FN KelpBox kelpCellBox(uint cell, ivec3 brick) {
   vec3 down = vec3(float(cell & 15u), float((cell >> 8u) & 15u), float((cell >> 16u) & 15u));
   vec3 up = vec3(float((cell >> 4u) & 15u), float((cell >> 12u) & 15u), float((cell >> 20u) & 15u));
   KelpBox box;
-  box.centre =
+  box.center =
       vec3(8.0f * float(brick.x) + 4.0f, 8.0f * float(brick.y) + 4.0f, 8.0f * float(brick.z) + 4.0f) +
       4.0f * (up - down);
   box.half_size = vec3(4.0f) + 4.0f * (up + down);

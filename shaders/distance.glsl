@@ -105,7 +105,7 @@ bool kelpDistancesOf(int level, out KelpDistances d) {
   d.far = sqrt(float((grid >> 20u) & 255u) + 1.0) - 0.5;
   return grid != 0u;
 }
-// The signed distance at the centre of a voxel, in voxels; d.far, or -2, beyond the band. kKelpFar: its page
+// The signed distance at the center of a voxel, in voxels; d.far, or -2, beyond the band. kKelpFar: its page
 // is not in the pool.
 float kelpDistanceAt(KelpDistances d, ivec3 voxel) {
   ivec3 brick = voxel >> 3;
@@ -132,7 +132,7 @@ bool kelpLevelOf(float distance, out KelpDistances d) {
 }
 
 // The signed distance of a point of part space from the part of this record, in units of part space, as if it
-// grew along a normal of part space (unit, or 0: not at all) from the centre of the voxel that the point is
+// grew along a normal of part space (unit, or 0: not at all) from the center of the voxel that the point is
 // in. Quick: reads one voxel. Where nothing is known there is nothing.
 float kelpNearby(vec3 p, vec3 normal, KelpDistances d) {
   KelpRest rest = kelpRestOf(p);
@@ -149,7 +149,7 @@ float kelpNearby(vec3 p, vec3 normal, KelpDistances d) {
   return rest.beside > 0.0 ? length(vec2(rest.beside, max(distance, 0.0))) : distance;
 }
 
-// The signed distance at a point at rest, linear between the centres of voxels, and its gradient (xyz). Of
+// The signed distance at a point at rest, linear between the centers of voxels, and its gradient (xyz). Of
 // the finest level whose band reaches the point. Level-0 voxels. w is kKelpFar if nothing is known.
 vec4 kelpRestDistance(vec3 rest) {
   vec4 found = vec4(0.0, 0.0, 0.0, kKelpFar);

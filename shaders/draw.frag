@@ -29,7 +29,7 @@ vec4 kelpPreviousClip(vec3 rest) {
   return kelpRows(rows, kelpRecord(rows + 3)) * vec4(rest.x + shift.x, y, rest.z + shift.z, 1.0);
 }
 
-// The colour of a hit; clip: where it is in clip space.
+// The color of a hit; clip: where it is in clip space.
 vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray, vec4 clip) {
   kelpLoadLevel(kelp_level + hit.coarser);
   KelpSurface s = kelpSurfaceAt(hit, position, ray);

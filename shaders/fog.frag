@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Draws fog over what is there: premultiplied colour, and in alpha how much of what is behind is hidden.
+// Draws fog over what is there: premultiplied color, and in alpha how much of what is behind is hidden.
 // Writes the depth at which the fog begins. No depth buffer keeps it: it serves the depth test where there
 // is no copy of the scene's depth.
 

@@ -9,7 +9,7 @@
 // depth), so a cube's share of the light is exact too. There is no step length to choose: a denser fog needs
 // no smaller steps.
 //
-// Positions in level space count from the volume's corner. Samples are at voxels' centres, so cube (i, j, k)
+// Positions in level space count from the volume's corner. Samples are at voxels' centers, so cube (i, j, k)
 // begins at (i, j, k) + 1/2. Between the outermost samples and the volume's faces is a rim half a voxel wide;
 // the field there is that of the nearest point between samples.
 //
@@ -105,8 +105,8 @@ KelpBox kelpCubesBox(ivec3 first, ivec3 end, ivec3 cubes, float side) {
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
 }
 KelpBox kelpOverlap(KelpBox a, KelpBox b) {
-  vec3 low = max(a.centre - a.half_size, b.centre - b.half_size);
-  vec3 high = min(a.centre + a.half_size, b.centre + b.half_size);
+  vec3 low = max(a.center - a.half_size, b.center - b.half_size);
+  vec3 high = min(a.center + a.half_size, b.center + b.half_size);
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
 }
 
@@ -156,7 +156,7 @@ KelpFogPlace kelpFogAt(vec3 q) {
     place.clear = true;
     KelpBox box = kelpCellBox(cell, place.at);
     place.box =
-        kelpCubesBox(ivec3(box.centre - box.half_size), ivec3(box.centre + box.half_size), cubes, 1.0);
+        kelpCubesBox(ivec3(box.center - box.half_size), ivec3(box.center + box.half_size), cubes, 1.0);
     place.clearance = kelp_complete ? float(cell >> 24u) : 0.0;
     return place;
   }
@@ -247,7 +247,7 @@ float kelpFogShade(KelpCurve c, float s_max, float before, inout int steps) {
       continue;
     }
     KelpFogPlace place = kelpFogAt(q);
-    float leave = min(end, b + kelpStep(c, b, q, place.box.centre, place.box.half_size, place.clearance));
+    float leave = min(end, b + kelpStep(c, b, q, place.box.center, place.box.half_size, place.clearance));
     if (place.clear) {
       b = kelpAdvance(b, leave - b);
       continue;
@@ -303,7 +303,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 su
       ++fog.steps;
       place = kelpFogAt(q);
       // To the end of the box. A brick also ends there; because of rounding, its cubes say where.
-      leave = b + kelpStep(c, b, q, place.box.centre, place.box.half_size, place.clearance);
+      leave = b + kelpStep(c, b, q, place.box.center, place.box.half_size, place.clearance);
       if (!place.clear) break;
       b = kelpAdvance(b, leave - b);
       going = b < end && fog.steps < KELP_FOG_STEPS;

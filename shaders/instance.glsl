@@ -4,7 +4,7 @@
 
 // The pool: all voxels of all assets as 32-bit words, 1024 to a row, 1024 rows to a layer. runtime/gl/src
 // writes it:
-//   of an asset  9 words for each palette entry: base colour, emissive, metallic, roughness
+//   of an asset  9 words for each palette entry: base color, emissive, metallic, roughness
 //                then for each part 3 words for each of its levels, finest first: where its cells are, where
 //                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31);
 //                the same for each level of distances, with the squared distance where its band ends << 20
@@ -84,7 +84,7 @@ vec3 kelpNormalToWorld(vec3 n) {
   return dot(m[0], a) < 0.0 ? -turned : turned;
 }
 
-// The ray through a point of part space, away from the eye. Not normalised; zero at the eye itself.
+// The ray through a point of part space, away from the eye. Not normalized; zero at the eye itself.
 vec3 kelpViewRay(vec3 p) {
   vec4 eye = kelpRecord(kelp_record + 7);
   return eye.w > 0.0 ? p - eye.xyz : eye.xyz;

@@ -47,7 +47,7 @@ KelpMaterial kelpMaterial(int entry) {
 }
 
 // The material of an inner voxel, which has no attribute and is seen where the near plane or the eye cuts
-// into a solid: that of the nearest surface voxel among its 26 neighbours, or the palette's first.
+// into a solid: that of the nearest surface voxel among its 26 neighbors, or the palette's first.
 uint kelpInnerMaterial(ivec3 voxel) {
   uint material = 0u;
   int nearest = 4;

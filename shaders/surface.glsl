@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a hit looks like. A host may replace kelpSurface (kelp::gl::Config::surface_glsl): its text is
+// What a hit looks like. A host may replace kelpSurface (kelp::gl::RendererOptions::surface_glsl): its text is
 // compiled in place of the default below, and may use everything here, in instance.glsl and in the tracing
 // core. It may declare functions and constants of its own.
 //
@@ -23,7 +23,7 @@ struct KelpSurface {
   vec3 position;  // world
   vec3 normal;    // world, unit, outward
   vec3 view;      // world, unit, from the surface towards the eye
-  vec4 color;     // base colour, linear, times the instance's tint; a = coverage
+  vec4 color;     // base color, linear, times the instance's tint; a = coverage
   vec3 emissive;  // linear
   float metallic;
   float roughness;
@@ -56,7 +56,7 @@ uniform int kelp_shading;  // kelp::gl::Shading
 #define KELP_SHADING_FACES 1
 #define KELP_SHADING_SMOOTH 2
 
-// Two numbers in [0, 1) that rotate a pixel's occlusion rays. They differ between neighbours, and stay the
+// Two numbers in [0, 1) that rotate a pixel's occlusion rays. They differ between neighbors, and stay the
 // same from frame to frame.
 vec2 kelp_jitter = vec2(0.5);
 // Interleaved gradient noise (J. Jimenez, "Next Generation Post Processing in Call of Duty:

@@ -165,8 +165,8 @@ KELP_FN KelpHit kelpMarchArc(KELP_CONTEXT_ KelpArc g, int number, float from_y, 
       } else {
         box = kelpCellBox(cell, at);
       }
-      vec3 box_low = side * (box.centre - box.half_size);
-      vec3 box_high = side * (box.centre + box.half_size);
+      vec3 box_low = side * (box.center - box.half_size);
+      vec3 box_high = side * (box.center + box.half_size);
       low = ivec3(max(int(box_low.x), 0), max(int(box_low.y), first_y), max(int(box_low.z), 0));
       high =
           ivec3(min(int(box_high.x), size.x), min(int(box_high.y), last_y + 1), min(int(box_high.z), size.z));

@@ -162,7 +162,7 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
       hit.room = min(hit.room, min(min(box.half_size.x, box.half_size.y), box.half_size.z) -
                                    kelp_cone * KELP_LEVEL_SCALE * kelpCurveRay(c, b));
 #endif
-      b = kelpAdvance(b, kelpStep(c, b, q, box.centre, box.half_size, clearance));
+      b = kelpAdvance(b, kelpStep(c, b, q, box.center, box.half_size, clearance));
       going = b < c.end && kelpCurveRay(c, b) <= s_max && hit.steps < KELP_MAX_STEPS;
       inside = going;
     }
@@ -195,7 +195,7 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
         break;
       }
       KelpBox box = kelpCodeBox(code, voxel, true);
-      b = kelpAdvance(b, kelpStep(c, b, q, side * box.centre, side * box.half_size, 0.0f));
+      b = kelpAdvance(b, kelpStep(c, b, q, side * box.center, side * box.half_size, 0.0f));
       going = b < c.end && kelpCurveRay(c, b) <= s_max && hit.steps < KELP_MAX_STEPS;
       missing = going;
     }

@@ -68,7 +68,7 @@ Result<void> readBend(RecordReader& in, Part& part) {
 
 bool isUnit(float v) { return v >= 0.0f && v <= 1.0f; }
 
-// Reads a fog record. Returns the number of colours of its ramp, at most `colors`.
+// Reads a fog record. Returns the number of colors of its ramp, at most `colors`.
 Result<std::uint32_t> readFog(RecordReader& in, std::size_t colors, Fog& fog) {
   const std::size_t at = in.at();
   fog.color = in.vec3();

@@ -11,7 +11,7 @@
 
 namespace kelp::coding {
 
-inline constexpr std::uint32_t kNeighbours = 18, kMostVotes = 24;  // 6 sides and 12 edges
+inline constexpr std::uint32_t kNeighbors = 18, kMostVotes = 24;  // 6 sides and 12 edges
 
 // Of the 27 voxels around: the corners do not vote.
 inline constexpr std::array<std::uint8_t, 27> kVotes = {0, 1, 0, 1, 2, 1, 0, 1, 0, 1, 2, 1, 2, 0,
@@ -32,7 +32,7 @@ inline constexpr std::array<std::uint32_t, 8 * kMostVotes + 2> kInverse = [] {
 // The different values of a list: the one with most votes first, the one with most of the others second, then
 // the others.
 struct Ballot {
-  std::array<std::uint32_t, kNeighbours> value, votes;
+  std::array<std::uint32_t, kNeighbors> value, votes;
   std::uint32_t count = 0, all;
 
   explicit Ballot(std::uint32_t votes_cast) : all(votes_cast) {}
@@ -78,16 +78,16 @@ struct Ballot {
     left_ = left;
   }
 
-  std::array<std::uint32_t, kNeighbours> left_value_, left_votes_;
+  std::array<std::uint32_t, kNeighbors> left_value_, left_votes_;
   std::uint32_t left_ = 0;
 };
 
 // The attributes of coded voxels around a voxel.
-struct Neighbours {
+struct Neighbors {
   std::uint32_t count = 0, votes_cast = 0, fresh = 0;  // fresh: how many of their normals were new
   bool alike = true;                                   // whether they all have the same normal
-  std::array<std::uint32_t, kNeighbours> attribute;
-  std::array<std::uint32_t, kNeighbours> votes;
+  std::array<std::uint32_t, kNeighbors> attribute;
+  std::array<std::uint32_t, kNeighbors> votes;
 };
 
 // The coded surface voxels of a brick and around it. Voxel (x, y, z) is at x + 1 of row (y + 1, z + 1).
@@ -103,7 +103,7 @@ class CodedWindow {
     }
   }
 
-  void find(std::size_t x, std::size_t y, std::size_t z, Neighbours& out) const {
+  void find(std::size_t x, std::size_t y, std::size_t z, Neighbors& out) const {
     const std::size_t row = y + 10 * z;
     const auto three = [&](std::size_t r) {
       return (rows_[row + r % 3 + 10 * (r / 3)] >> x & 0x700000007u) << (3 * r);
@@ -184,7 +184,7 @@ class AttributeCoder {
   const Coder& coder() const { return coder_; }
 
   // Codes an attribute, given those around.
-  std::uint32_t code(const Neighbours& near, std::uint32_t truth) {
+  std::uint32_t code(const Neighbors& near, std::uint32_t truth) {
     const std::uint32_t normal = codeNormal(near, truth >> 8);
     const std::uint32_t entry = palette_ > 1 ? codeEntry(near, normal, truth & 0xff) : 0;
     last_ = entry | normal << 8;
@@ -194,7 +194,7 @@ class AttributeCoder {
   bool wasNew() const { return was_new_; }
 
  private:
-  std::uint32_t codeNormal(const Neighbours& near, std::uint32_t truth) {
+  std::uint32_t codeNormal(const Neighbors& near, std::uint32_t truth) {
     const std::uint32_t how_new = near.fresh == 0                ? 0
                                   : near.fresh * 4 <= near.count ? 1
                                   : near.fresh * 2 <= near.count ? 2
@@ -225,15 +225,15 @@ class AttributeCoder {
   }
 
   // For an encoder: whether a normal is among those around, or a recent one.
-  bool isListed(const Neighbours& near, std::uint32_t normal) const {
+  bool isListed(const Neighbors& near, std::uint32_t normal) const {
     for (std::uint32_t i = 0; i < near.count; ++i)
       if (near.attribute[i] >> 8 == normal) return true;
     return std::find(recent_.begin(), recent_.end(), normal) != recent_.end();
   }
 
   // One that is further down on the ballot, then the recent ones; or new. told: it is not new.
-  std::uint32_t codeOtherNormal(const Ballot& ballot, const Neighbours& near, std::uint32_t how_new,
-                                bool told, std::uint32_t truth) {
+  std::uint32_t codeOtherNormal(const Ballot& ballot, const Neighbors& near, std::uint32_t how_new, bool told,
+                                std::uint32_t truth) {
     std::uint32_t place = 2, index = 0;
     if (!Coder::kDecodes) {
       while (place < ballot.count && ballot.value[place] != truth) ++place;
@@ -250,7 +250,7 @@ class AttributeCoder {
     return recent_[(newest_ + node) % kRecent];
   }
 
-  std::uint32_t codeNewNormal(const Neighbours& near, std::uint32_t truth) {
+  std::uint32_t codeNewNormal(const Neighbors& near, std::uint32_t truth) {
     const std::uint32_t mask = 0xfffu >> dropped_;
     std::array<std::uint32_t, 2> least = {mask, mask}, most{}, sum{};
     for (std::uint32_t i = 0; i < near.count; ++i) {
@@ -302,7 +302,7 @@ class AttributeCoder {
     return rest >> left != 0 ? 0u - amount : amount;
   }
 
-  std::uint32_t codeEntry(const Neighbours& near, std::uint32_t normal, std::uint32_t truth) {
+  std::uint32_t codeEntry(const Neighbors& near, std::uint32_t normal, std::uint32_t truth) {
     std::uint32_t alike = 0;
     for (std::uint32_t i = 0; i < near.count; ++i)
       alike += near.attribute[i] >> 8 == normal ? near.votes[i] : 0;
@@ -345,7 +345,7 @@ bool codeAttributes(Coder& shared, const PageHeader& header, const PageShape& sh
                     std::span<std::conditional_t<Coder::kDecodes, std::uint32_t, const std::uint32_t>> all) {
   AttributeCoder<Coder> coder(shared, header, shape.palette, state.models);
   CodedWindow window;
-  Neighbours near;
+  Neighbors near;
   std::size_t next = 0;
   for (std::size_t b = 0; b < shape.bricks.size(); ++b) {
     window.start(state, b, all);

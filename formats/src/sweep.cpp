@@ -13,7 +13,7 @@ namespace {
 using glm::dot;
 using glm::dvec3;
 
-// A place of the centre line. z of the section is cross(x, along).
+// A place of the center line. z of the section is cross(x, along).
 struct Place {
   dvec3 at, along, x;
 };
@@ -28,7 +28,7 @@ struct Reach {
         chord2(dot(chord, chord)),
         ahead(dot(chord, from.along)),
         side2(dot(side, side)) {}
-  // The vector towards the centre of curvature, of the length of the curvature.
+  // The vector towards the center of curvature, of the length of the curvature.
   dvec3 inward() const { return (2 / chord2) * side; }
 };
 
@@ -355,7 +355,8 @@ glm::vec3 sweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::v
          (rest.z - 0.5f * static_cast<float>(size.z)) * section[2];
 }
 
-bool unsweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::vec3& point, glm::vec3& rest) {
+std::optional<glm::vec3> unsweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::vec3& point) {
+  std::optional<glm::vec3> rest;
   // Far from the origin, the planes are as coarse as floats there.
   const float rounding = 1e-3f + 1e-6f * glm::length(point);
   double nearest = INFINITY;
@@ -379,7 +380,7 @@ bool unsweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::vec3
                                 double{chain.joints[i + 1].y}),
                      0.5 * size.z + s * u + c * v);
   }
-  return nearest < INFINITY;
+  return rest;
 }
 
 }  // namespace kelp

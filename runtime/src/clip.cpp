@@ -97,12 +97,6 @@ Result<void> addClip(const Asset& asset, int clip_index, double seconds, float w
   return {};
 }
 
-bool hasEnded(const Asset& asset, int clip, double seconds) {
-  const std::span<const Clip> clips = asset.pack().clips();
-  return clip < 0 || static_cast<std::size_t>(clip) >= clips.size() ||
-         !(seconds < double{clips[static_cast<std::size_t>(clip)].duration});
-}
-
 Result<int> findClip(const Asset& asset, std::string_view name) {
   const std::span<const Clip> clips = asset.pack().clips();
   for (std::size_t i = 0; i < clips.size(); ++i)

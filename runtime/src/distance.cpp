@@ -45,7 +45,7 @@ Result<bool> checkInstance(const Instance& instance) {
 std::optional<SolidPlace> solidPlace(const Instance& instance, int part) {
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
   if (of.kind != PartKind::kSolid || knotsOf(instance, part).size() < 2) return std::nullopt;
-  const glm::dmat4 to_world(partToWorld(instance, part));
+  const glm::dmat4 to_world(matrixOf(instance, part));
   const glm::dmat3 linear(to_world);
   const double volume = glm::determinant(linear), away = glm::dot(to_world[3], glm::dvec4(1));
   if (!(std::abs(volume) > 0) || !std::isfinite(volume) || !std::isfinite(away)) return std::nullopt;
@@ -175,7 +175,7 @@ void findNearest(const Instance& instance, const glm::vec3& point, Distance& nea
   Distance best = nearest;
   const bool drawn = eachSolid(instance, [&](const auto& solid) {
     const std::optional<Distance> found = distanceToPart(solid, point);
-    if (found && (best.part < 0 || found->bound < best.bound)) best = *found;
+    if (found && (!best.part || found->bound < best.bound)) best = *found;
     return true;
   });
   if (drawn) nearest = best;

@@ -148,15 +148,17 @@ const glm::mat4& Hangings::of(const Instance& instance, int part) {
   return matrices_[place];
 }
 
-// partToWorld(), for several parts of one pose.
+constexpr Error kNoPart{ErrorCode::kMisuse, "there is no such part"};
+
+// partToWorld() of a part that exists, for several parts of one pose.
 glm::mat4 partToWorld(const Instance& instance, int part, Hangings& hangings) {
-  if (!isPart(instance, part)) return glm::mat4(1);
   const std::span<const Part> parts = instance.asset->pack().parts();
   glm::mat4 matrix = affine(parts[static_cast<std::size_t>(part)].to_object);
   if (!instance.pose || part >= instance.pose->parts()) return instance.to_world * matrix;
   for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
     const Part& moved = parts[static_cast<std::size_t>(i)];
-    if (!isRest(*instance.pose->motion(i))) matrix = motionMatrix(moved, *instance.pose->motion(i)) * matrix;
+    const Motion& motion = *instance.pose->motion(i);
+    if (motion != Motion{}) matrix = motionMatrix(moved, motion) * matrix;
     if (hangsOnSpline(moved)) matrix = hangings.of(instance, i) * matrix;
   }
   return instance.to_world * matrix;
@@ -197,14 +199,22 @@ glm::vec3 toObject(const Instance& instance, int part, const glm::vec3& voxels) 
   return partOf(instance, part).to_object * glm::vec4(voxels, 1.0f);
 }
 
-glm::mat4 partToWorld(const Instance& instance, int part) {
+glm::mat4 matrixOf(const Instance& instance, int part) {
   Hangings hangings;
   return partToWorld(instance, part, hangings);
 }
 
-void partsToWorld(const Instance& instance, std::span<glm::mat4> out) {
+Result<glm::mat4> partToWorld(const Instance& instance, int part) {
+  if (!isPart(instance, part)) return kNoPart;
+  return matrixOf(instance, part);
+}
+
+Result<void> partsToWorld(const Instance& instance, std::span<glm::mat4> out) {
+  if (!out.empty() && !isPart(instance, static_cast<int>(out.size()) - 1))
+    return Error{ErrorCode::kMisuse, "there are more matrices than parts"};
   Hangings hangings;
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = partToWorld(instance, static_cast<int>(i), hangings);
+  return {};
 }
 
 Box bounds(const Instance& instance) {
@@ -222,21 +232,21 @@ Box bounds(const Instance& instance) {
   return all;
 }
 
-glm::vec3 toWorld(const Instance& instance, int part, const glm::vec3& rest) {
-  if (!isPosed(instance, part)) return glm::vec3(0);
+Result<glm::vec3> toWorld(const Instance& instance, int part, const glm::vec3& rest) {
+  if (!isPosed(instance, part)) return kNoPart;
   const glm::vec3 bent = bend(posedPart(instance, part), toVoxels(instance, part, rest));
-  return glm::vec3(partToWorld(instance, part) * glm::vec4(bent, 1.0f));
+  return glm::vec3(matrixOf(instance, part) * glm::vec4(bent, 1.0f));
 }
 
 std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::vec3& world) {
   if (!isPosed(instance, part)) return std::nullopt;
   const PosedPart posed = posedPart(instance, part);
-  const glm::vec3 p = glm::vec3(glm::inverse(partToWorld(instance, part)) * glm::vec4(world, 1.0f));
+  const glm::vec3 p = glm::vec3(glm::inverse(matrixOf(instance, part)) * glm::vec4(world, 1.0f));
   if (posed.isSwept()) {
     ArcChain chain;
-    glm::vec3 rest;
-    if (!posed.arcs(chain) || !unsweepPoint(chain, posed.part->size, p, rest)) return std::nullopt;
-    return toObject(instance, part, rest);
+    if (!posed.arcs(chain)) return std::nullopt;
+    const std::optional<glm::vec3> rest = unsweepPoint(chain, posed.part->size, p);
+    return rest ? std::optional(toObject(instance, part, *rest)) : std::nullopt;
   }
   const std::span<const Knot> knots = posed.knots;
   if (!checkKnots(knots)) return std::nullopt;
@@ -249,9 +259,9 @@ std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::v
   return toObject(instance, part, {p.x - s.x, (p.y - low) / (high - low) * height, p.z - s.z});
 }
 
-glm::mat4 frameAt(const Instance& instance, int part, const glm::vec3& rest) {
-  if (!isPosed(instance, part)) return glm::mat4(1);
-  return frameIn(posedPart(instance, part), partToWorld(instance, part), toVoxels(instance, part, rest));
+Result<glm::mat4> frameAt(const Instance& instance, int part, const glm::vec3& rest) {
+  if (!isPosed(instance, part)) return kNoPart;
+  return frameIn(posedPart(instance, part), matrixOf(instance, part), toVoxels(instance, part, rest));
 }
 
 Result<int> findSocket(const Asset& asset, std::string_view name, int part) {
@@ -263,13 +273,14 @@ Result<int> findSocket(const Asset& asset, std::string_view name, int part) {
   return NameReader::absentSocket(asset);
 }
 
-glm::mat4 socketToWorld(const Instance& instance, int socket) {
+Result<glm::mat4> socketToWorld(const Instance& instance, int socket) {
   const auto index = static_cast<std::size_t>(socket);
-  if (!instance.asset || socket < 0 || index >= instance.asset->pack().sockets().size()) return glm::mat4(1);
+  if (!instance.asset || socket < 0 || index >= instance.asset->pack().sockets().size())
+    return Error{ErrorCode::kMisuse, "there is no such socket"};
   const Socket& on = instance.asset->pack().sockets()[index];
   const int part = static_cast<int>(on.part);
-  if (!isPosed(instance, part)) return glm::mat4(1);
-  return frameIn(posedPart(instance, part), partToWorld(instance, part),
+  if (!isPosed(instance, part)) return Error{ErrorCode::kMisuse, "the pose is of another asset"};
+  return frameIn(posedPart(instance, part), matrixOf(instance, part),
                  onAxis(partOf(instance, part), on.at, on.offset)) *
          glm::mat4_cast(on.rotation);
 }

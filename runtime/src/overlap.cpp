@@ -9,7 +9,7 @@
 namespace kelp::runtime {
 namespace {
 
-glm::dvec3 beyond(const FrameBox& box) { return glm::max(glm::abs(box.centre) - box.half, glm::dvec3(0)); }
+glm::dvec3 beyond(const FrameBox& box) { return glm::max(glm::abs(box.center) - box.half, glm::dvec3(0)); }
 
 // The point of a leaf that is nearest to `at`, as far as its bending tells; in the frame.
 glm::dvec3 placeNearest(const SweepMap& map, const SearchFrame& frame, const SearchLeaf<SweepMap>& leaf,
@@ -82,15 +82,15 @@ struct FrameSphere {
     const glm::dvec3 off = beyond(box);
     return glm::dot(off, off) > radius * radius;
   }
-  double towards(const FrameBox& box) const { return glm::length(box.centre); }
+  double towards(const FrameBox& box) const { return glm::length(box.center); }
 };
 
 // The part of the line from 0 to `way`, 0 to 1, that lies in a box. False: none.
-bool clipWay(const glm::dvec3& way, const glm::dvec3& centre, const glm::dvec3& half, double& from) {
+bool clipWay(const glm::dvec3& way, const glm::dvec3& center, const glm::dvec3& half, double& from) {
   double to = 1;
   from = 0;
   for (int i = 0; i < 3; ++i) {
-    const double low = centre[i] - half[i], high = centre[i] + half[i];
+    const double low = center[i] - half[i], high = center[i] + half[i];
     if (way[i] == 0) {
       if (low > 0 || high < 0) return false;
       continue;
@@ -109,26 +109,26 @@ struct FrameCapsule {
   }
   bool apart(const FrameBox& box) const {
     double from = 0;
-    return toLine(box.centre) > radius + glm::length(box.half) ||
-           !clipWay(way, box.centre, box.half + radius, from);
+    return toLine(box.center) > radius + glm::length(box.half) ||
+           !clipWay(way, box.center, box.half + radius, from);
   }
-  double towards(const FrameBox& box) const { return toLine(box.centre); }
+  double towards(const FrameBox& box) const { return toLine(box.center); }
 };
 
 struct FrameOrientedBox {
   glm::dmat3 axes;  // unit
   glm::dvec3 half;
   bool apart(const FrameBox& box) const {
-    const glm::dvec3 local = glm::abs(glm::transpose(axes) * box.centre);
+    const glm::dvec3 local = glm::abs(glm::transpose(axes) * box.center);
     if (glm::length(glm::max(local - half, glm::dvec3(0))) > glm::length(box.half)) return true;
     for (int i = 0; i < 3; ++i) {
       if (local[i] > half[i] + glm::dot(glm::abs(axes[i]), box.half)) return true;
       const glm::dvec3 row(axes[0][i], axes[1][i], axes[2][i]);
-      if (std::abs(box.centre[i]) > box.half[i] + glm::dot(glm::abs(row), half)) return true;
+      if (std::abs(box.center[i]) > box.half[i] + glm::dot(glm::abs(row), half)) return true;
     }
     return false;
   }
-  double towards(const FrameBox& box) const { return glm::length(box.centre); }
+  double towards(const FrameBox& box) const { return glm::length(box.center); }
 };
 
 struct CastGoal {
@@ -138,16 +138,16 @@ struct CastGoal {
   bool hit = false, ran_out = false;
 
   // When the sphere first touches the box at the earliest: both the box grown by the radius, and the ball
-  // around it, contain all centres of spheres that touch it. From the place of the way that is nearest to the
-  // centre, and with room for rounding, because the way may be much longer than the box.
+  // around it, contain all centers of spheres that touch it. From the place of the way that is nearest to the
+  // center, and with room for rounding, because the way may be much longer than the box.
   double key(const FrameBox& box) const {
-    const glm::dvec3 size = glm::abs(box.centre);
+    const glm::dvec3 size = glm::abs(box.center);
     const double grown = radius + 1e-15 * (size.x + size.y + size.z);
     double from = 0;
-    if (!clipWay(way, box.centre, box.half + grown, from)) return INFINITY;
+    if (!clipWay(way, box.center, box.half + grown, from)) return INFINITY;
     const double reach = grown + glm::length(box.half), way2 = glm::dot(way, way);
-    const double nearest = glm::dot(way, box.centre) / way2;
-    const glm::dvec3 off = box.centre - nearest * way;
+    const double nearest = glm::dot(way, box.center) / way2;
+    const glm::dvec3 off = box.center - nearest * way;
     const double half2 = (reach * reach - glm::dot(off, off)) / way2;
     if (half2 < 0) return INFINITY;
     const double half = std::sqrt(half2);
@@ -196,7 +196,7 @@ void findClosest(const Instance& instance, const glm::dvec3& point, ClosestPoint
     search(solid, frame, goal);
     best.ran_out |= goal.ran_out;
     const float length = static_cast<float>(goal.best);
-    if (!goal.any || (best.part >= 0 && !(length < best.distance))) return true;
+    if (!goal.any || (best.part && !(length < best.distance))) return true;
     best.distance = length;
     best.point = glm::vec3(frame.toWorld(goal.found));
     best.part = solid.part;
@@ -208,8 +208,8 @@ void findClosest(const Instance& instance, const glm::dvec3& point, ClosestPoint
 bool touches(const Instance& instance, const Sphere& shape) {
   bool found = false;
   const bool drawn = eachSolid(instance, [&](const auto& solid) {
-    if (isBeyond(solid, shape.centre, shape.radius)) return true;
-    const SearchFrame frame(solid, glm::dvec3(shape.centre));
+    if (isBeyond(solid, shape.center, shape.radius)) return true;
+    const SearchFrame frame(solid, glm::dvec3(shape.center));
     found = touches(solid, frame, FrameSphere{double{shape.radius}});
     return !found;
   });
@@ -230,8 +230,8 @@ bool touches(const Instance& instance, const Capsule& shape) {
 bool touches(const Instance& instance, const OrientedBox& shape) {
   bool found = false;
   const bool drawn = eachSolid(instance, [&](const auto& solid) {
-    if (isBeyond(solid, shape.centre, 1.000001f * glm::length(shape.half_size))) return true;
-    const SearchFrame frame(solid, glm::dvec3(shape.centre));
+    if (isBeyond(solid, shape.center, 1.000001f * glm::length(shape.half_size))) return true;
+    const SearchFrame frame(solid, glm::dvec3(shape.center));
     const glm::dmat3 axes = frame.from_world * glm::mat3_cast(glm::normalize(glm::dquat(shape.rotation)));
     found = touches(solid, frame, FrameOrientedBox{axes, glm::dvec3(shape.half_size)});
     return !found;
@@ -248,7 +248,7 @@ void cast(const Instance& instance, const glm::dvec3& from, const glm::dvec3& wa
     goal.best = double{best.t};
     goal.hit = best.hit || best.ran_out;
     search(solid, frame, goal);
-    if (!(goal.best < double{best.t}) && !(goal.hit && best.part < 0)) return true;
+    if (!(goal.best < double{best.t}) && !(goal.hit && !best.part)) return true;
     // Rounded towards 0, so that the sphere does not touch.
     best.t = std::max(static_cast<float>(goal.best) * (1 - 1e-6f), 0.0f);
     best.part = solid.part;

@@ -16,7 +16,8 @@ static_assert(alignof(Motion) <= 4 && alignof(Knot) <= 4 && alignof(glm::ivec3) 
 
 namespace {
 constexpr Error kNoKnot{ErrorCode::kMisuse, "there is no such part, or no such knot in it"};
-}
+constexpr Error kNotAlike{ErrorCode::kMisuse, "the poses differ in parts or knots"};
+}  // namespace
 
 Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
   const std::span<const Part> parts = asset.pack().parts();
@@ -111,16 +112,15 @@ void Pose::reset() {
   std::memcpy(to + last, from + last, kStep);
 }
 
-bool Pose::assign(const Pose& other) {
-  if (!sameShape(other)) return false;
-  if (parts_ == 0) return true;
-  std::copy_n(const_cast<Pose&>(other).state(), stateBytes(), state());
-  return true;
+Result<void> Pose::assign(const Pose& other) {
+  if (!sameShape(other)) return kNotAlike;
+  if (parts_ > 0) std::copy_n(const_cast<Pose&>(other).state(), stateBytes(), state());
+  return {};
 }
 
 Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> part_weights) {
   const auto isWeight = [](float w) { return w >= 0.0f && w <= 1.0f; };
-  if (!sameShape(to)) return Error{ErrorCode::kMisuse, "the poses differ in parts or knots"};
+  if (!sameShape(to)) return kNotAlike;
   if (!part_weights.empty() && part_weights.size() != parts_)
     return Error{ErrorCode::kMisuse, "a mask needs one weight per part"};
   if (!isWeight(weight) || !std::all_of(part_weights.begin(), part_weights.end(), isWeight)) {
@@ -210,7 +210,7 @@ void Pose::clampShear(int part) {
   // Fritsch and Carlson 1980: a Hermite cubic of rise d with end slopes m0, m1 >= 0 is monotone if m0^2 +
   // m1^2 <= 9 d^2.
   for (Knot& knot : k) knot.tangent.y = std::max(knot.tangent.y, 0.0f);
-  // Shrinking a tangent can make the neighbour segment not monotone if it was outside the circle. A
+  // Shrinking a tangent can make the neighbor segment not monotone if it was outside the circle. A
   // segment inside the circle stays there. So each pass puts at least one more segment inside, or is the
   // last.
   bool mended = true;

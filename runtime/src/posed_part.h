@@ -27,6 +27,8 @@ inline trace::KelpJoint asTrace(const ArcJoint& j) { return {j.plane, j.curvatur
 // For these the part must exist, and the pose must have knots for it.
 // The knots of a part as the instance poses it.
 std::span<const Knot> knotsOf(const Instance& instance, int part);
+// partToWorld().
+glm::mat4 matrixOf(const Instance& instance, int part);
 // Part space at rest -> object space at rest.
 glm::vec3 toObject(const Instance& instance, int part, const glm::vec3& voxels);
 

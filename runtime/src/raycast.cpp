@@ -61,7 +61,7 @@ const std::uint8_t* traceBrick(const void* user, std::uint32_t cell) {
 }
 
 // An inner voxel has no attribute; only rays that start inside a solid hit one. It gets the material of the
-// nearest surface voxel among its 26 neighbours, or palette entry 0, as in shaders/shading.glsl.
+// nearest surface voxel among its 26 neighbors, or palette entry 0, as in shaders/shading.glsl.
 std::uint8_t innerMaterial(const LevelBricks& bricks, const glm::ivec3& voxel) {
   std::uint8_t material = 0;
   int nearest = 4;
@@ -112,7 +112,7 @@ struct PartRay {
 std::optional<PartRay> rayInPart(const Instance& instance, int part, const Box& bounds, const Ray& ray,
                                  float t_max) {
   PartRay in;
-  in.to_part = glm::inverse(glm::dmat4(partToWorld(instance, part)));
+  in.to_part = glm::inverse(glm::dmat4(matrixOf(instance, part)));
   in.bounds = bounds;
   in.origin = glm::dvec3(in.to_part * glm::dvec4(ray.origin, 1.0));
   const glm::dvec3 d = glm::dvec3(in.to_part * glm::dvec4(ray.direction, 0.0));
@@ -230,9 +230,7 @@ std::optional<Hit> castPart(const Instance& instance, const PageReader& reader, 
   return hit;
 }
 
-}  // namespace
-
-std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int wanted_level) {
+std::optional<Hit> castOne(const Instance& instance, const Ray& ray, int wanted_level) {
   if (!instance.asset ||
       (instance.pose && instance.pose->parts() != static_cast<int>(instance.asset->pack().parts().size())))
     return std::nullopt;
@@ -249,11 +247,13 @@ std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int wanted_
   return nearest;
 }
 
-std::optional<Hit> raycast(std::span<const Instance> instances, const Ray& ray, int wanted_level) {
+}  // namespace
+
+std::optional<Hit> raycast(Instances instances, const Ray& ray, int wanted_level) {
   std::optional<Hit> nearest;
   Ray rest = ray;
   for (std::size_t i = 0; i < instances.size(); ++i) {
-    if (auto hit = raycast(instances[i], rest, wanted_level)) {
+    if (auto hit = castOne(instances[i], rest, wanted_level)) {
       hit->instance = static_cast<int>(i);
       nearest = hit;
       rest.t_max = hit->t;

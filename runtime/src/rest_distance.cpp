@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostSquared = 226;  // beyond the widest band
 
-// [n]: from the centre of a voxel to the nearest cube of voxels whose centres are at least sqrt(n) away: the
+// [n]: from the center of a voxel to the nearest cube of voxels whose centers are at least sqrt(n) away: the
 // least of sqrt(sum of max(|v_i| - 1/2, 0)^2) over whole vectors v with |v|^2 >= n.
 constexpr double rootOf(double square) {
   double root = square + 1e-9;

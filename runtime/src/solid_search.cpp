@@ -36,11 +36,11 @@ FrameBox boxOf(const SearchFrame& frame, const SweepMap& map, const SweepMap::Cu
   const int last = map.lastArc(from, to);
   for (int arc = from.arc; arc <= last; ++arc) {
     const SweepMap::Slab slab = map.slab(arc, from, to, low, high);
-    const glm::dvec3 centre = frame.place(slab.centre);
+    const glm::dvec3 center = frame.place(slab.center);
     glm::dvec3 half = frame.grow * glm::dvec3(map.slack());
     for (int i = 0; i < 4; ++i) half += (1 + 1e-9) * glm::abs(frame.to_frame * slab.half[i]);
-    least = glm::min(least, centre - half);
-    most = glm::max(most, centre + half);
+    least = glm::min(least, center - half);
+    most = glm::max(most, center + half);
   }
   return {0.5 * (least + most), 0.5 * (most - least)};
 }

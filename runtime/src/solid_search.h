@@ -13,7 +13,7 @@ namespace kelp::runtime {
 
 // A box about something bent, in the frame of the search.
 struct FrameBox {
-  glm::dvec3 centre{0}, half{0};
+  glm::dvec3 center{0}, half{0};
 };
 
 // A search sees the world from `eye`, turned so that the part's axes are the frame's, if they are

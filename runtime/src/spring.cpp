@@ -100,20 +100,19 @@ Error foreign() { return {ErrorCode::kMisuse, "the spring does not fit this asse
 
 }  // namespace
 
-Result<Spring> Spring::create(const Asset& asset, const SpringSettings& settings,
-                              const Allocator& allocator) {
-  if (!(settings.frequency > 0 && settings.frequency <= kHighestFrequency))
+Result<Spring> Spring::create(const Asset& asset, const SpringOptions& options, const Allocator& allocator) {
+  if (!(options.frequency > 0 && options.frequency <= kHighestFrequency))
     return Error{ErrorCode::kMisuse, "a spring's frequency is out of range"};
-  if (!(settings.damping >= 0) || !std::isfinite(settings.damping))
+  if (!(options.damping >= 0) || !std::isfinite(options.damping))
     return Error{ErrorCode::kMisuse, "a spring's damping is out of range"};
-  if (!(settings.reach > 0 && settings.reach <= 1000))
+  if (!(options.reach > 0 && options.reach <= 1000))
     return Error{ErrorCode::kMisuse, "a spring's reach is out of range"};
   const std::span<const Part> parts = asset.pack().parts();
   std::size_t total = 0;
   for (const Part& part : parts) total += part.knots.size();
   Spring spring;
-  spring.settings_ = settings;
-  spring.omega_ = static_cast<float>(2 * std::numbers::pi * double{settings.frequency});
+  spring.options_ = options;
+  spring.omega_ = static_cast<float>(2 * std::numbers::pi * double{options.frequency});
   spring.bodies_ = Buffer<Body>(allocator);
   spring.swings_ = Buffer<Swing>(allocator);
   spring.at_ = Buffer<float>(allocator);
@@ -160,7 +159,7 @@ bool Spring::fits(const Pose& pose) const {
 
 // The share of a push to the free end that a knot gets.
 float Spring::share(const Body& body, std::uint32_t knot) const {
-  return settings_.rooted ? evenLoad(at_[body.first + knot]) : 1.0f;
+  return options_.rooted ? evenLoad(at_[body.first + knot]) : 1.0f;
 }
 
 // Squared amplitude of the undamped swing about the place where the wind holds the knot.
@@ -173,7 +172,7 @@ float Spring::energyOf(const Body& body, std::uint32_t knot) const {
 void Spring::limit(const Body& body, std::uint32_t knot, float energy_before) {
   Swing& swing = swings_[body.first + knot];
   const glm::vec3 held = share(body, knot) * body.lean;
-  const float reach = settings_.reach * share(body, knot);
+  const float reach = options_.reach * share(body, knot);
   const float most = std::max(reach * reach, energy_before);
   glm::vec3 away = swing.offset - held;
   if (const float far = glm::length(away); far * far > most) {
@@ -189,7 +188,7 @@ Result<void> Spring::push(int part, const glm::vec3& velocity) {
   if (!isFinite(velocity)) return Error{ErrorCode::kMisuse, "a push is not finite"};
   const Body& body = bodies_[static_cast<std::size_t>(part)];
   // So that squares do not overflow. limit() cuts more than this anyway.
-  const float most = 4 * omega_ * settings_.reach;
+  const float most = 4 * omega_ * options_.reach;
   const glm::vec3 change = glm::clamp(velocity, glm::vec3(-most), glm::vec3(most));
   for (std::uint32_t i = 0; i < body.knots; ++i) {
     const float before = energyOf(body, i);
@@ -203,7 +202,7 @@ Result<void> Spring::setWind(int part, const glm::vec3& acceleration) {
   if (part < 0 || part >= parts()) return kNoPart;
   if (!isFinite(acceleration)) return Error{ErrorCode::kMisuse, "wind is not finite"};
   Body& body = bodies_[static_cast<std::size_t>(part)];
-  const double reach = settings_.reach;
+  const double reach = options_.reach;
   const glm::dvec3 lean = glm::dvec3(acceleration) / (double{omega_} * double{omega_});
   const double length = glm::length(lean);
   body.lean = glm::vec3(length > reach ? lean * (reach / length) : lean);
@@ -214,7 +213,7 @@ Result<void> Spring::setWind(int part, const glm::vec3& acceleration) {
 Result<glm::vec3> Spring::fromWorld(const Instance& instance, int part, const glm::vec3& vector) const {
   if (!instance.asset || !fits(*instance.asset) || (instance.pose && !fits(*instance.pose))) return foreign();
   if (part < 0 || part >= parts()) return kNoPart;
-  const glm::mat3 to_part = glm::inverse(glm::mat3(partToWorld(instance, part)));
+  const glm::mat3 to_part = glm::inverse(glm::mat3(matrixOf(instance, part)));
   const glm::vec3 mapped = to_part * vector / bodies_[static_cast<std::size_t>(part)].height;
   if (!isFinite(mapped))
     return Error{ErrorCode::kMisuse, "a world vector is not finite, or the part has no extent in the world"};
@@ -234,7 +233,7 @@ Result<void> Spring::setWindInWorld(const Instance& instance, int part, const gl
 Result<void> Spring::step(float seconds) {
   if (!(seconds >= 0) || !std::isfinite(seconds))
     return Error{ErrorCode::kMisuse, "a time step is negative or not finite"};
-  const Advance by = advanceBy(double{seconds}, double{omega_}, double{settings_.damping});
+  const Advance by = advanceBy(double{seconds}, double{omega_}, double{options_.damping});
   for (const Body& body : bodies_) {
     for (std::uint32_t i = 0; i < body.knots; ++i) {
       Swing& swing = swings_[body.first + i];
@@ -254,7 +253,7 @@ void Spring::addTo(const Body& body, std::span<Knot> knots) const {
   const auto secant = [&](std::size_t i) {
     return (swings[i + 1].offset - swings[i].offset) / (knots[i + 1].at - knots[i].at);
   };
-  // At an inner knot: the slope of the parabola through it and its neighbours.
+  // At an inner knot: the slope of the parabola through it and its neighbors.
   const auto inner = [&](std::size_t i) {
     const float below = knots[i].at - knots[i - 1].at, above = knots[i + 1].at - knots[i].at;
     return (above * secant(i - 1) + below * secant(i)) / (below + above);
@@ -264,7 +263,7 @@ void Spring::addTo(const Body& body, std::span<Knot> knots) const {
     return 0.5f * (3.0f * slope - other);
   };
   glm::vec3 first(0);
-  if (!settings_.rooted) first = n == 2 ? secant(0) : free_end(secant(0), inner(1));
+  if (!options_.rooted) first = n == 2 ? secant(0) : free_end(secant(0), inner(1));
   const glm::vec3 last = free_end(secant(n - 2), n == 2 ? first : inner(n - 2));
   for (std::size_t i = 0; i < n; ++i) {
     knots[i].position += swings[i].offset;
@@ -289,7 +288,7 @@ Result<void> Spring::pushAway(const Instance& instance, const glm::vec3& center,
     const std::span<const Knot> pose =
         instance.pose ? instance.pose->knots(static_cast<int>(i)) : parts[i].knots;
     if (pose.size() < 2) continue;
-    pushAway(bodies_[i], parts[i], pose, partToWorld(instance, static_cast<int>(i)), center, radius);
+    pushAway(bodies_[i], parts[i], pose, matrixOf(instance, static_cast<int>(i)), center, radius);
   }
   return {};
 }
@@ -325,12 +324,12 @@ void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> 
     const glm::vec3 direction =
         nearest.distance > 1e-6f * radius ? nearest.from / nearest.distance : glm::normalize(turn[0]);
     // limit() would cut more than this anyway.
-    const float most = 4 * scale * settings_.reach * body.height;
+    const float most = 4 * scale * options_.reach * body.height;
     const glm::vec3 out = to_part * (std::min(radius - nearest.distance, most) * direction) / body.height;
     if (!isFinite(out)) return;
     const glm::vec3 normal = glm::normalize(glm::transpose(turn) * direction);
     for (std::uint32_t i = 0; i < body.knots; ++i) {
-      const float weight = settings_.rooted ? pointLoad(at_[body.first + i], nearest.at) : 1.0f;
+      const float weight = options_.rooted ? pointLoad(at_[body.first + i], nearest.at) : 1.0f;
       if (weight == 0) continue;
       Swing& swing = swings_[body.first + i];
       const float before = energyOf(body, i);

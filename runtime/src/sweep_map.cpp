@@ -183,7 +183,7 @@ SweepMap::Slab SweepMap::slab(int number, const Cut& from, const Cut& to, const 
   slab.half[1] = half_z * section.z;
   slab.half[2] = slab.along * section.along;
   slab.half[3] = 0.5 * slab.bulge * section.inward;
-  slab.centre = section.at + x * section.x + z * section.z + slab.half[3];
+  slab.center = section.at + x * section.x + z * section.z + slab.half[3];
   return slab;
 }
 

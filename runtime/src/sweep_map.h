@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The map of space of swept parts as distances need it, in double precision: a slice of the part for each arc
-// of its centre line. Part space, voxels of level 0.
+// of its center line. Part space, voxels of level 0.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,7 +10,7 @@
 namespace kelp::runtime {
 
 // The slice of one arc. A section has the axes u, towards the axis of curvature, and v, across; x and z from
-// the centre line are turned against them. Around the axis of curvature, a point is at the distance
+// the center line are turned against them. Around the axis of curvature, a point is at the distance
 // (1 - curvature u) / curvature and at an angle that follows from its height at rest.
 struct SweepSlice {
   glm::dvec3 middle, along, inward, across;
@@ -76,10 +76,10 @@ class SweepMap {
   bool between(const Cut& from, const Cut& to, Cut& middle) const;
   // The last of the arcs between two cuts; the first is from.arc.
   int lastArc(const Cut& from, const Cut& to) const;
-  // A slanted box: `centre` and any of -half to half added contain the part of a box at rest that is in
+  // A slanted box: `center` and any of -half to half added contain the part of a box at rest that is in
   // one slice.
   struct Slab {
-    glm::dvec3 centre{0};
+    glm::dvec3 center{0};
     glm::dvec3 half[4];           // the section's x and z, along, inward
     double bulge = 0, along = 0;  // how far the arc is from straight; half the length
   };

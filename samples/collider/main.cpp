@@ -35,7 +35,7 @@ void main() {
 })"};
 
 struct Mesh {
-  std::vector<glm::vec3> points;  // of a proxy: at rest, object space, metres
+  std::vector<glm::vec3> points;  // of a proxy: at rest, object space, meters
   std::vector<unsigned> corners;  // three a triangle
 };
 
@@ -136,7 +136,7 @@ static int run(GLFWwindow* window, const char* path, const char* proxy, int fram
   kelp::runtime::Pose pose = kelp::runtime::Pose::create(**asset).value();
   const kelp::runtime::Instance instance{asset->get(), &pose};
   const kelp::Box box = bounds(instance);
-  const glm::vec3 centre = 0.5f * (box.min + box.max), extent = box.max - box.min;
+  const glm::vec3 center = 0.5f * (box.min + box.max), extent = box.max - box.min;
   const float size = glm::length(extent), radius = 0.025f * size;
 
   const GLuint program = glCreateProgram();
@@ -170,15 +170,15 @@ static int run(GLFWwindow* window, const char* path, const char* proxy, int fram
   std::vector<Ball> balls;
   for (int i = 0; i < 40; ++i) {  // over the model, in a spiral
     const float turn = 2.4f * float(i), out = 0.06f * std::sqrt(float(i)) * glm::min(extent.x, extent.z);
-    balls.push_back({{centre.x + out * std::cos(turn), box.max.y + (1 + 0.4f * float(i)) * radius,
-                      centre.z + out * std::sin(turn)}});
+    balls.push_back({{center.x + out * std::cos(turn), box.max.y + (1 + 0.4f * float(i)) * radius,
+                      center.z + out * std::sin(turn)}});
   }
   std::vector<glm::vec3> bent(mesh.points.size());
   int touches = 0;
   for (int frame = 1; !glfwWindowShouldClose(window) && (frames == 0 || frame <= frames); ++frame) {
     pose.reset();
     (void)addClip(**asset, 0, frame / 60.0, 1, pose);  // the first clip, if there is one
-    for (std::size_t i = 0; i < bent.size(); ++i) bent[i] = toWorld(instance, 0, mesh.points[i]);
+    for (std::size_t i = 0; i < bent.size(); ++i) bent[i] = toWorld(instance, 0, mesh.points[i]).value();
     for (Ball& b : balls) touches += step(b, radius, 1 / 60.0f, 0.5f * size, mesh, bent);
 
     glm::ivec2 pixels(0);
@@ -186,7 +186,7 @@ static int run(GLFWwindow* window, const char* path, const char* proxy, int fram
     const glm::vec2 shape = glm::max(pixels, 1);
     // The model to the left, its proxy to the right: what the balls meet.
     const glm::mat4 to_eye =
-        glm::lookAt(centre + 1.9f * size * glm::vec3(0.3f, 0.25f, 0.9f), centre, {0, 1, 0});
+        glm::lookAt(center + 1.9f * size * glm::vec3(0.3f, 0.25f, 0.9f), center, {0, 1, 0});
     const glm::mat4 projection = glm::perspectiveFov(0.6f, 0.5f * shape.x, shape.y, 0.05f * size, 10 * size);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     const glm::mat4 to_clip = projection * to_eye;
@@ -201,7 +201,7 @@ static int run(GLFWwindow* window, const char* path, const char* proxy, int fram
       }
       if (side == 0) {
         const kelp::gl::View view{.camera = {to_eye, projection, {pixels.x / 2, pixels.y}}};
-        (*renderer)->draw(view, {&instance, 1}).value();
+        (*renderer)->draw(view, instance).value();
         continue;
       }
       upload(bent, mesh.corners);

@@ -50,7 +50,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   kelp::runtime::Pose pose = kelp::runtime::Pose::create(**asset).value();
   const kelp::runtime::Instance instance{asset->get(), &pose};
   const auto [low, high] = bounds(instance);
-  const glm::vec3 centre = 0.5f * (low + high), extent = high - low;
+  const glm::vec3 center = 0.5f * (low + high), extent = high - low;
   const float size = glm::length(extent), reach = glm::max(extent.x, extent.z);
   const GLuint hoop = glCreateProgram();
   for (int i = 0; i < 2; ++i) {
@@ -65,7 +65,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   glBindVertexArray(no_vertices);
   glUseProgram(hoop);  // OpenGL's state is set once: kelp leaves all of it as it was
   glEnable(GL_DEPTH_TEST);
-  glEnable(GL_FRAMEBUFFER_SRGB);  // all colours are linear, kelp's too; without sRGB, see View::output
+  glEnable(GL_FRAMEBUFFER_SRGB);  // all colors are linear, kelp's too; without sRGB, see View::output
   glClearColor(0.30f, 0.50f, 0.58f, 1);
   std::atomic<int> exit_code = -1;  // -1: goes on
   std::thread loader([&] {          // a game would call pump() from its jobs
@@ -81,10 +81,10 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     glfwGetFramebufferSize(window, &pixels.x, &pixels.y);
     const glm::vec2 shape = glm::max(pixels, 1);
     const float turn = 0.3f * static_cast<float>(glfwGetTime());
-    const glm::vec3 eye = centre + 1.55f * size * glm::vec3(glm::sin(turn), 0.4f, glm::cos(turn));
-    const glm::mat4 to_eye = glm::lookAt(eye, centre, {0, 1, 0});
+    const glm::vec3 eye = center + 1.55f * size * glm::vec3(glm::sin(turn), 0.4f, glm::cos(turn));
+    const glm::mat4 to_eye = glm::lookAt(eye, center, {0, 1, 0});
     const glm::mat4 to_clip = glm::perspectiveFov(0.6f, shape.x, shape.y, 0.05f * size, 10 * size);
-    const glm::mat4 hoop_to_clip = glm::scale(glm::translate(to_clip * to_eye, centre), glm::vec3(reach));
+    const glm::mat4 hoop_to_clip = glm::scale(glm::translate(to_clip * to_eye, center), glm::vec3(reach));
     glViewport(0, 0, pixels.x, pixels.y);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glUniformMatrix4fv(glGetUniformLocation(hoop, "to_clip"), 1, GL_FALSE, &hoop_to_clip[0][0]);
@@ -93,8 +93,8 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     (void)addClip(**asset, 0, glfwGetTime(), 1, pose);  // the first clip, if there is one
     const kelp::gl::View view{.camera = {to_eye, to_clip, pixels}};
     if ((*renderer)->upload(4 << 20).value().pending == 0) ++frame;  // counts while all voxels are there
-    (*renderer)->draw(view, {&instance, 1}).value();
-    (*renderer)->draw(view, {&instance, 1}, kelp::gl::Pass::kFog).value();  // smoke, over all that is opaque
+    (*renderer)->draw(view, instance).value();
+    (*renderer)->draw(view, instance, kelp::gl::Pass::kFog).value();  // smoke, over all that is opaque
     if (glfwWindowShouldClose(window)) exit_code = 0;
     if (frames > 0 && frame == frames) exit_code = picture ? writePicture(picture, pixels) : 0;
     glfwSwapBuffers(window);

@@ -47,7 +47,7 @@ vec3 sky(vec3 direction) {
   return mix(vec3(0.62, 0.63, 0.62), vec3(0.17, 0.30, 0.46), smoothstep(-0.1, 0.8, direction.y));
 }
 
-// A wall's own colour, beside its reflection: frames, and chequered stone with shadows by kelpBlocked.
+// A wall's own color, beside its reflection: frames, and chequered stone with shadows by kelpBlocked.
 vec3 surface(int w, vec3 p) {
   vec3 q = abs(p - vec3(0.0, room.z + 0.5 * room.y, 0.0));
   if (w > 0) {
@@ -138,11 +138,11 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   if (const auto loaded = (*asset)->loadAll(); !loaded) return fail(path, loaded.error());
   kelp::runtime::Pose pose = kelp::runtime::Pose::create(**asset).value();
 
-  kelp::gl::Config config;
+  kelp::gl::RendererOptions config;
   config.getProcAddress = [](void*, const char* name) {
     return reinterpret_cast<void*>(glfwGetProcAddress(name));
   };
-  config.secondary_rays = true;  // for Quality::self_shadow
+  config.features = kelp::gl::Features::kSecondaryRays;  // for Quality::self_shadow
   const auto renderer = kelp::gl::Renderer::create(config);
   if (!renderer) return fail("renderer", renderer.error());
   if (const auto added = (*renderer)->add(**asset); !added) return fail(path, added.error());
@@ -154,7 +154,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   glBindVertexArray(no_vertices);
   glUseProgram(mirrors);
   glEnable(GL_DEPTH_TEST);
-  glEnable(GL_FRAMEBUFFER_SRGB);  // kelp's colours are linear, as ours are
+  glEnable(GL_FRAMEBUFFER_SRGB);  // kelp's colors are linear, as ours are
   glClearColor(0.36f, 0.45f, 0.54f, 1);
 
   // The model stands in the middle of a room scaled to it.
@@ -181,7 +181,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     view.quality.self_shadow = true;
     glViewport(0, 0, size_in_pixels.x, size_in_pixels.y);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    const auto drawn = (*renderer)->draw(view, {&instance, 1});
+    const auto drawn = (*renderer)->draw(view, instance);
     if (!drawn) return fail(path, drawn.error());
     const auto bound = (*renderer)->bindTrace(mirrors, view, {&instance, 1});
     if (!bound) return fail(path, bound.error());

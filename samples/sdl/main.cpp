@@ -67,7 +67,7 @@ static void move(Meadow& meadow, double seconds) {
     meadow.poses[i].reset();
     (void)addClip(*meadow.asset, 0, seconds + 0.37 * i, 1, meadow.poses[i]);  // if there is a clip
     if (meadow.tip < 0) continue;
-    const glm::mat4 tip = socketToWorld(meadow.instances[i], meadow.tip);
+    const glm::mat4 tip = socketToWorld(meadow.instances[i], meadow.tip).value();
     const glm::mat4 at = glm::scale(tip, glm::vec3(0.25f * meadow.scale));
     meadow.instances.push_back({.asset = meadow.asset.get(), .to_world = at, .tint = {1, 4, 9, 1}});
   }

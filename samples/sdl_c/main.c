@@ -36,10 +36,10 @@ static int load(void* path) {  // a thread
 }
 
 static void grow(const char* path) {
-  kelp_renderer_config config = {.struct_size = sizeof config};
+  kelp_renderer_options config = {.struct_size = sizeof config};
   kelp_instance plant = {.struct_size = sizeof plant};
   kelp_box box;
-  kelp_renderer_config_defaults(&config);
+  kelp_renderer_options_defaults(&config);
   config.get_proc_address = functionOf;
   kelp_instance_defaults(&plant);
   check(path, kelp_asset_open_file(path, NULL, &asset));
@@ -92,7 +92,7 @@ static int play(SDL_Window* window, int frames, const char* picture) {
     }
     glClearColor(0.58f, 0.74f, 0.78f, 1), glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     check("upload", kelp_renderer_upload(renderer, 4 << 20, &stats));
-    check("draw", kelp_renderer_draw(renderer, &view, plants, kPlants, KELP_PASS_COLOUR, NULL));
+    check("draw", kelp_renderer_draw(renderer, &view, plants, kPlants, KELP_PASS_COLOR, NULL));
     if (stats.pending == 0 && ++frame == frames) return picture ? save(picture) : 0;  // all voxels are there
   }
 }

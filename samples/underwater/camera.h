@@ -15,7 +15,7 @@ class Camera {
   bool circling() const { return circling_; }
   void release() { circling_ = true; }
 
-  // The user's: from where it is. Turns by radians; swims at `wish` metres a second (right, up, forward) for
+  // The user's: from where it is. Turns by radians; swims at `wish` meters a second (right, up, forward) for
   // some seconds. It keeps off the sand, below the surface and not far from the reef.
   void look(const glm::vec2& turn);
   void swim(const glm::vec3& wish, float seconds);
@@ -27,7 +27,7 @@ class Camera {
 
  private:
   bool circling_ = true;
-  glm::vec3 at_{0, 1, 4}, velocity_{0};  // metres, metres a second
+  glm::vec3 at_{0, 1, 4}, velocity_{0};  // meters, meters a second
   float yaw_ = 0, pitch_ = 0;            // radians: about +y from -z to -x, up
 };
 

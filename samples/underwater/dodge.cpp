@@ -7,10 +7,10 @@
 namespace underwater {
 namespace {
 
-constexpr float kStep = 0.16f;    // metres between posts
-constexpr float kMargin = 0.22f;  // metres: the room about its body that a fish likes
-constexpr float kTouch = 0.12f;   // metres: with more room than this nothing touches the body
-// Accelerations, in 1 / seconds^2: of a post that is too near, off the lane, and off its neighbours.
+constexpr float kStep = 0.16f;    // meters between posts
+constexpr float kMargin = 0.22f;  // meters: the room about its body that a fish likes
+constexpr float kTouch = 0.12f;   // meters: with more room than this nothing touches the body
+// Accelerations, in 1 / seconds^2: of a post that is too near, off the lane, and off its neighbors.
 constexpr float kPush = 90, kHome = 2, kPull = 300;
 constexpr float kOut = 4;        // how much more the way out of a plant counts than the way out of its leaves
 constexpr float kDrag = 14;      // 1 / second

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kFrame = 1.0 / 30;    // seconds, with --frames
 constexpr double kLongest = 0.1;       // seconds: after a longer pause the scene goes on where it was
-constexpr float kSwimSpeed = 1.6f;     // metres a second
+constexpr float kSwimSpeed = 1.6f;     // meters a second
 constexpr float kPixelTurn = 0.004f;   // radians
-constexpr float kPlayerRadius = 0.6f;  // metres
+constexpr float kPlayerRadius = 0.6f;  // meters
 
 // Prints what failed and why. Returns the exit code: 2 for input or output, 4 for graphics, 3 for the pack.
 int fail(const std::string& what, const kelp::Error& error) {
@@ -99,7 +99,7 @@ int run(GLFWwindow* window, const Arguments& arguments) {
     glm::ivec2 viewport;
     glfwGetFramebufferSize(window, &viewport.x, &viewport.y);
     const bool all_read = (*library)->idle();
-    if (viewport.x * viewport.y > 0) {  // not minimised
+    if (viewport.x * viewport.y > 0) {  // not minimized
       const auto drawn = (*stage)->draw(camera, seconds, viewport, (*reef)->instances());
       if (!drawn) return fail("scene", drawn.error());
       (*library)->ask();

@@ -65,10 +65,10 @@ void Meadow::update(double seconds, float passed, const Sphere& player) {
     const glm::vec3 lean = plant.height * glm::vec3(current.x, 0, current.y);
     (void)plant.spring.setWindInWorld({plant.asset, nullptr, plant.to_world}, 0, plant.stiffness * lean);
     (void)plant.spring.step(passed);
-    const glm::vec3 off = player.centre - plant.foot;
+    const glm::vec3 off = player.center - plant.foot;
     const float near = player.radius + 0.7f * plant.height;  // most are far away
     if (off.x * off.x + off.z * off.z < near * near && off.y < plant.height + player.radius)
-      (void)plant.spring.pushAway(plant.instance(), player.centre, player.radius);
+      (void)plant.spring.pushAway(plant.instance(), player.center, player.radius);
     (void)plant.spring.addTo(plant.pose);  // and keeps it monotone
   }
 }
@@ -80,7 +80,7 @@ void Meadow::giveWay(const Solids::Touch& touch, float radius) {
   const auto rest = toRest(plant.instance(), 0, touch.point);
   const float level = glm::length(glm::vec2(touch.aside.x, touch.aside.z));
   if (!rest || level < 0.2f) return;  // above or below: to bend would not help
-  const glm::vec3 stem = toWorld(plant.instance(), 0, {plant.stem.x, rest->y, plant.stem.y}),
+  const glm::vec3 stem = toWorld(plant.instance(), 0, {plant.stem.x, rest->y, plant.stem.y}).value(),
                   aside = glm::vec3(touch.aside.x, 0, touch.aside.z) / level;
   sway(plant);
   (void)plant.spring.pushAway(plant.instance(), stem - radius * aside, radius + touch.deep);

@@ -35,7 +35,7 @@ class Meadow {
     glm::vec3 foot{0};  // world
     glm::mat4 to_world{1};
     glm::vec2 stem{0};    // x and z of its middle line, undeformed
-    float height = 0;     // metres, from the foot to the spline's end
+    float height = 0;     // meters, from the foot to the spline's end
     float stiffness = 0;  // of the spring: 1 / seconds^2
     int clip = -1;
     kelp::runtime::Instance instance() const { return {asset, &pose, to_world, glm::vec4(site.tint, 1)}; }

@@ -11,7 +11,7 @@ namespace underwater {
 namespace {
 
 constexpr int kPieces = 64;       // of a segment, for its length
-constexpr float kNearby = 0.02f;  // metres, for differences
+constexpr float kNearby = 0.02f;  // meters, for differences
 
 // Length from t0 to t1: Gauss and Legendre's rule of three points.
 float lengthBetween(const kelp::Segment& segment, float t0, float t1) {

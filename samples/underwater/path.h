@@ -13,13 +13,13 @@ namespace underwater {
 // memory.
 class ClosedPath {
  public:
-  // At least 3 points, metres, none equal to the next.
+  // At least 3 points, meters, none equal to the next.
   explicit ClosedPath(std::span<const glm::vec3> points);
 
-  float length() const { return length_; }  // metres
-  glm::vec3 at(float s) const;              // s metres along it; any s, it goes round and round
+  float length() const { return length_; }  // meters
+  glm::vec3 at(float s) const;              // s meters along it; any s, it goes round and round
   glm::vec3 direction(float s) const;       // unit
-  float turn(float s) const;                // to the right, radians a metre: the curvature seen from above
+  float turn(float s) const;                // to the right, radians a meter: the curvature seen from above
 
  private:
   struct Place {
@@ -35,7 +35,7 @@ class ClosedPath {
 
 class Dodge;
 
-// A line beside a path, as a lane on a road: shifted to the right and up by metres. The road is never banked.
+// A line beside a path, as a lane on a road: shifted to the right and up by meters. The road is never banked.
 struct Lane {
   const ClosedPath* path = nullptr;
   float right = 0, up = 0;

@@ -7,7 +7,7 @@ namespace {
 constexpr int kSettling = 120;              // steps before the scene begins
 constexpr double kSettlingStep = 1.0 / 30;  // seconds
 constexpr int kRounds = 3;       // a plant that gave way to a ball may have touched it elsewhere, too
-constexpr float kSkin = 0.015f;  // metres: plants give way a little before they are touched
+constexpr float kSkin = 0.015f;  // meters: plants give way a little before they are touched
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void Reef::update(double seconds, float passed, const kelp::runtime::Sphere& pla
   shoal_->update(seconds, passed, solids_);
   for (kelp::runtime::Sphere ball : shoal_->balls()) {
     ball.radius += kSkin;
-    solids_.stayWithin({ball.centre - ball.radius, ball.centre + ball.radius});
+    solids_.stayWithin({ball.center - ball.radius, ball.center + ball.radius});
     for (int round = 0; round < kRounds; ++round) {
       const auto touch = solids_.touch(ball);
       if (!touch) break;

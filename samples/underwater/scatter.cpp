@@ -12,7 +12,7 @@ namespace {
 constexpr int kCandidates = 10;  // for each site
 
 struct Kind {
-  float room;          // metres about it, where sites are as dense as 400 of them are
+  float room;          // meters about it, where sites are as dense as 400 of them are
   float small, large;  // scale
 };
 constexpr Kind kKinds[] = {{0.62f, 1.5f, 3.4f}, {0.40f, 0.55f, 1.3f}, {0.50f, 0.7f, 1.4f}};

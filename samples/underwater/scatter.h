@@ -12,12 +12,12 @@ namespace underwater {
 enum class Plant : std::uint8_t { kKelp, kGrass, kDulse, kCount };
 
 struct Site {
-  glm::vec2 at{0};  // x, z; metres
+  glm::vec2 at{0};  // x, z; meters
   Plant plant = Plant::kKelp;
   float scale = 1;    // of the model
   float yaw = 0;      // radians
   float phase = 0;    // seconds into its clips
-  glm::vec3 tint{1};  // of the base colour
+  glm::vec3 tint{1};  // of the base color
 };
 
 // `count` sites in the disc of kReefRadius: kelp in groves, grass between them and in the glade, dulse in

@@ -13,7 +13,7 @@ float noise(vec2 p) {
              mix(hash(cell + vec2(0.0, 1.0)), hash(cell + 1.0), f.x), f.y);
 }
 
-// The ripples' height in metres: crests that wander and fork.
+// The ripples' height in meters: crests that wander and fork.
 float ripples(vec2 p) {
   float bend = 2.2 * noise(0.45 * p) + 0.9 * noise(1.3 * p + 7.0);
   float wave = sin(6.2831853 * (4.2 * p.y + 1.1 * p.x + bend));
@@ -37,7 +37,7 @@ void main() {
 
   float facing = max(dot(normal, water_sun.xyz), 0.0);
   float light = waterSunlit(at);
-  vec3 colour = sand / 3.14159265 * waterSunlight(at) * facing * light;
-  colour += sand * waterAmbient(at, normal) * mix(0.62, 1.0, light) * 0.8;
-  result = vec4(waterSeen(colour, at), 1.0);
+  vec3 color = sand / 3.14159265 * waterSunlight(at) * facing * light;
+  color += sand * waterAmbient(at, normal) * mix(0.62, 1.0, light) * 0.8;
+  result = vec4(waterSeen(color, at), 1.0);
 }

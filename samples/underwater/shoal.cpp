@@ -12,12 +12,12 @@ namespace {
 using kelp::runtime::Asset;
 using kelp::runtime::Pose;
 
-// A school swims close together: `across` and `high` metres wide and tall, spread over `along` metres.
+// A school swims close together: `across` and `high` meters wide and tall, spread over `along` meters.
 struct School {
   Species species;
   int count;
   float along, across, high;
-  float speed;         // metres a second
+  float speed;         // meters a second
   float small, large;  // scale
 };
 constexpr School kSchools[] = {

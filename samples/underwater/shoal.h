@@ -35,7 +35,7 @@ class Shoal {
     const Anatomy* anatomy;
     Lane lane{};
     int clip = -1;
-    float start = 0, speed = 0;  // metres along the path, metres a second
+    float start = 0, speed = 0;  // meters along the path, meters a second
     float scale = 1;
     float phase = 0;  // radians
     glm::vec3 tint{1};

@@ -19,7 +19,7 @@ glm::vec3 stemBeside(const kelp::runtime::Instance& plant, int part, const glm::
   if (!rest) return point;
   const kelp::Part& of = plant.asset->pack().parts()[static_cast<std::size_t>(part)];
   const glm::vec3 middle = of.to_object * glm::vec4(0.5f * glm::vec3(of.size), 1);
-  return toWorld(plant, part, {middle.x, rest->y, middle.z});
+  return toWorld(plant, part, {middle.x, rest->y, middle.z}).value();
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ Solids::Clearance Solids::clearance(const glm::vec3& at) const {
   if (!nearest || nearest->bound >= sand.free) return sand;
   Clearance clearance{nearest->bound, nearest->away, nearest->away};
   const auto& plant = near_instances_[static_cast<std::size_t>(nearest->instance)];
-  const glm::vec3 out = at - stemBeside(plant, nearest->part, at);
+  const glm::vec3 out = at - stemBeside(plant, *nearest->part, at);
   if (glm::length(out) > 0) clearance.out = glm::normalize(out);
   return clearance;
 }
@@ -73,19 +73,19 @@ Solids::Clearance Solids::clearance(const glm::vec3& at) const {
 std::optional<Solids::Touch> Solids::touch(const kelp::runtime::Sphere& ball) const {
   if (near_.empty()) return std::nullopt;
   ++asked_;
-  const auto nearest = closestPoint(near_instances_, ball.centre, ball.radius, near_boxes_);
+  const auto nearest = closestPoint(near_instances_, ball.center, ball.radius, near_boxes_);
   // It may find what is up to a voxel farther than it was asked for.
   if (!nearest || nearest->distance >= ball.radius) return std::nullopt;
   const auto which = static_cast<std::size_t>(nearest->instance);
   Touch touch{near_[which], nearest->point};
   if (nearest->distance > 0) {
-    touch.aside = (nearest->point - ball.centre) / nearest->distance;
+    touch.aside = (nearest->point - ball.center) / nearest->distance;
     touch.deep = ball.radius - nearest->distance;
-  } else if (const auto inside = distance(near_instances_[which], ball.centre)) {
+  } else if (const auto inside = distance(near_instances_[which], ball.center)) {
     touch.aside = -inside->away;
     touch.deep = ball.radius - inside->bound;
   }
-  const glm::vec3 in = stemBeside(near_instances_[which], nearest->part, ball.centre) - ball.centre;
+  const glm::vec3 in = stemBeside(near_instances_[which], *nearest->part, ball.center) - ball.center;
   if (glm::length(in) > 0) touch.aside = glm::normalize(touch.aside + kIn * glm::normalize(in));
   return touch;
 }

@@ -22,7 +22,7 @@ class Solids {
   void stayWithin(const kelp::Box& box);
 
   struct Clearance {
-    float free = 0;           // metres: a ball of this radius is free. Below 0: inside of something
+    float free = 0;           // meters: a ball of this radius is free. Below 0: inside of something
     glm::vec3 away{0, 1, 0};  // unit; where there is more room
     glm::vec3 out{0, 1, 0};   // unit; the way out of the whole plant: `away` may only lead to the next leaf
   };
@@ -32,7 +32,7 @@ class Solids {
     int plant = 0;
     glm::vec3 point{0};        // of the plant; nearest to the middle of the ball
     glm::vec3 aside{1, 0, 0};  // unit: the way by which the plant leaves the ball
-    float deep = 0;            // metres: how far it has to go
+    float deep = 0;            // meters: how far it has to go
   };
   std::optional<Touch> touch(const kelp::runtime::Sphere& ball) const;
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kUploadPerFrame = 8 << 20;  // bytes
 constexpr int kSunMapSize = 1024;                   // pixels: 25 mm of sand each
-constexpr float kFloorRadius = 45;                  // metres: where the sand's edge is lost in the water
+constexpr float kFloorRadius = 45;                  // meters: where the sand's edge is lost in the water
 const glm::vec3 kSun = glm::normalize(glm::vec3(0.28f, 1.0f, -0.42f));
 
 // kelp's View::bind: the sun's map for the surface function. In the map's own pass there is none yet: `map`
@@ -29,7 +29,7 @@ Stage::Stage() : floor_(kFloorRadius), sun_map_(kSunMapSize) {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   glEnable(GL_CULL_FACE);
-  glEnable(GL_FRAMEBUFFER_SRGB);  // colours are linear until they are stored
+  glEnable(GL_FRAMEBUFFER_SRGB);  // colors are linear until they are stored
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
 }
 
@@ -38,7 +38,7 @@ kelp::Result<std::unique_ptr<Stage>> Stage::build(const Library& library) {
   if (!stage->water_.good() || !stage->floor_.good())
     return kelp::Error{kelp::ErrorCode::kGraphics, "the scene's shaders do not compile"};
   const std::string surface = std::string(glsl::kWater) + glsl::kVoxels;
-  kelp::gl::Config config;
+  kelp::gl::RendererOptions config;
   config.getProcAddress = [](void*, const char* name) {
     return reinterpret_cast<void*>(glfwGetProcAddress(name));
   };

@@ -21,7 +21,7 @@ class SunMap {
   GLuint texture() const { return texture_; }
   int size() const { return size_; }
 
-  // The sun's camera: all that grows within `radius` metres of the origin and up to `height`.
+  // The sun's camera: all that grows within `radius` meters of the origin and up to `height`.
   static glm::mat4 worldToSun(const glm::vec3& sun);
   static glm::mat4 sunToClip(float radius, float height);
 

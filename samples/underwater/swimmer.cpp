@@ -23,9 +23,9 @@ glm::mat4 swimFrame(const Anatomy& anatomy, const Lane& lane, float head, float 
   const glm::vec3 right = glm::cos(bank) * level - glm::sin(bank) * glm::cross(level, forward);
   const glm::mat3 turned =
       scale * glm::mat3(forward, glm::cross(right, forward), right) * anatomy.object_to_swim;
-  const glm::vec3 centre = anatomy.voxel_to_object * glm::vec4(0.5f * anatomy.size, 1);
+  const glm::vec3 center = anatomy.voxel_to_object * glm::vec4(0.5f * anatomy.size, 1);
   glm::mat4 to_world(turned);
-  to_world[3] = glm::vec4(lane.at(middle) - turned * centre, 1);
+  to_world[3] = glm::vec4(lane.at(middle) - turned * center, 1);
   return to_world;
 }
 

@@ -19,7 +19,7 @@ struct Anatomy {
   static Anatomy of(const kelp::Part& part);
 };
 
-// Where a fish of that anatomy is when its head is `head` metres along the lane: its middle on the lane, its
+// Where a fish of that anatomy is when its head is `head` meters along the lane: its middle on the lane, its
 // axis along the lane's direction there, leaning into the turn by `bank` radians.
 glm::mat4 swimFrame(const Anatomy& anatomy, const Lane& lane, float head, float scale, float bank);
 

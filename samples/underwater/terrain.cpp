@@ -5,7 +5,7 @@ namespace underwater {
 namespace {
 
 struct Swell {
-  float x, z, amplitude, phase;  // radians a metre, metres, radians
+  float x, z, amplitude, phase;  // radians a meter, meters, radians
 };
 constexpr Swell kDunes[] = {{0.31f, 0.13f, 0.16f, 0.4f},
                             {-0.17f, 0.42f, 0.13f, 2.1f},

@@ -7,12 +7,12 @@
 
 namespace underwater {
 
-inline constexpr float kReefRadius = 11;    // metres: plants grow within
-inline constexpr float kGladeRadius = 4;    // metres: the middle, where only low plants grow
-inline constexpr float kCameraRing = 3.6f;  // metres from the middle, more or less: where the camera circles
-inline constexpr float kSurface = 7;        // metres: height of the water's surface
+inline constexpr float kReefRadius = 11;    // meters: plants grow within
+inline constexpr float kGladeRadius = 4;    // meters: the middle, where only low plants grow
+inline constexpr float kCameraRing = 3.6f;  // meters from the middle, more or less: where the camera circles
+inline constexpr float kSurface = 7;        // meters: height of the water's surface
 
-// Height of the sand at (x, z), metres: dunes, within half a metre of 0. The ripples are left to the shader.
+// Height of the sand at (x, z), meters: dunes, within half a meter of 0. The ripples are left to the shader.
 float sandHeight(const glm::vec2& at);
 // Unit, upward.
 glm::vec3 sandNormal(const glm::vec2& at);

@@ -12,7 +12,7 @@ layout(std140) uniform Water {   // water.h has the same in C++
 
 uniform sampler2DShadow water_sun_map;
 
-const vec3 kWaterLoss = vec3(0.120, 0.046, 0.040);   // of light, per metre: red goes first
+const vec3 kWaterLoss = vec3(0.120, 0.046, 0.040);   // of light, per meter: red goes first
 const vec3 kWaterDeep = vec3(0.002, 0.030, 0.075);   // looking down, level, up, into the sun
 const vec3 kWaterLevel = vec3(0.008, 0.125, 0.215);
 const vec3 kWaterAbove = vec3(0.070, 0.430, 0.560);
@@ -28,7 +28,7 @@ float waterCaustics(vec3 at) {
   p += 0.16 * vec2(sin(1.7 * p.y + 0.7 * t), cos(1.9 * p.x - 0.6 * t));
   float xx = 0.0, xy = 0.0, yy = 0.0;
   float turn = 0.4;
-  float size = 4.6;  // radians a metre
+  float size = 4.6;  // radians a meter
   for (int i = 0; i < 6; ++i) {
     vec2 k = size * vec2(cos(turn), sin(turn));
     float bend = sin(dot(k, p) + (1.1 + 0.55 * float(i)) * t + 1.7 * float(i * i)) / float(i + 3);
@@ -83,26 +83,26 @@ float waterShafts(vec3 direction) {
   return near * near * smoothstep(0.0, 2.6, bands);
 }
 
-// The colour of open water in a direction.
-vec3 waterColour(vec3 direction) {
-  vec3 colour = mix(kWaterDeep, kWaterLevel, smoothstep(-0.55, 0.10, direction.y));
-  colour = mix(colour, kWaterAbove, smoothstep(0.02, 0.85, direction.y));
+// The color of open water in a direction.
+vec3 waterColor(vec3 direction) {
+  vec3 color = mix(kWaterDeep, kWaterLevel, smoothstep(-0.55, 0.10, direction.y));
+  color = mix(color, kWaterAbove, smoothstep(0.02, 0.85, direction.y));
   float towards = max(dot(direction, water_sun.xyz), 0.0);
-  colour += kWaterSun * (0.05 * pow(towards, 3.0) + 0.55 * pow(towards, 24.0));
-  return colour + kWaterAbove * 0.30 * waterShafts(direction);
+  color += kWaterSun * (0.05 * pow(towards, 3.0) + 0.55 * pow(towards, 24.0));
+  return color + kWaterAbove * 0.30 * waterShafts(direction);
 }
 
 // Tone mapping: bright light runs into white instead of being clipped.
-vec3 waterTone(vec3 colour) {
-  colour = 1.0 - exp(-1.5 * colour);
-  return mix(colour, colour * colour * (3.0 - 2.0 * colour), 0.55);
+vec3 waterTone(vec3 color) {
+  color = 1.0 - exp(-1.5 * color);
+  return mix(color, color * color * (3.0 - 2.0 * color), 0.55);
 }
 
-// A colour as it reaches the eye through the water.
-vec3 waterSeen(vec3 colour, vec3 at) {
+// A color as it reaches the eye through the water.
+vec3 waterSeen(vec3 color, vec3 at) {
   vec3 way = at - water_eye.xyz;
   float distance = length(way);
   vec3 left = exp(-kWaterLoss * distance);
-  colour = colour * left + waterColour(way / max(distance, 1e-4)) * (1.0 - left);
-  return waterTone(colour);
+  color = color * left + waterColor(way / max(distance, 1e-4)) * (1.0 - left);
+  return waterTone(color);
 }

@@ -14,7 +14,7 @@ struct WaterBlock {
   glm::mat4 clip_to_world{1};
   glm::mat4 world_to_sun{1};  // to the shadow map, 0 .. 1
   glm::vec4 eye{0};           // w: seconds
-  glm::vec4 sun{0, 1, 0, 0};  // towards it, unit; w: height of the surface, metres
+  glm::vec4 sun{0, 1, 0, 0};  // towards it, unit; w: height of the surface, meters
 };
 static_assert(sizeof(WaterBlock) == 3 * 64 + 2 * 16);
 

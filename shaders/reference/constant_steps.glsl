@@ -19,7 +19,7 @@ KELP_FN vec3 stepsRest(KELP_CONTEXT_ KelpArc g, vec3 point) {
               0.5f * KELP_SIZE.z + g.bend.y * u + g.bend.x * q);
 }
 
-// The inverse map at a point: of the slices that it is in, the one whose centre line is nearest. w: 1 if it
+// The inverse map at a point: of the slices that it is in, the one whose center line is nearest. w: 1 if it
 // is in any.
 KELP_FN vec4 stepsMap(KELP_CONTEXT_ vec3 point) {
   vec4 found = vec4(0.0f);

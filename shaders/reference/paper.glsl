@@ -5,11 +5,11 @@
 //
 // One spline segment, as in the paper. Lengths are in voxels: the paper's step of 0.001 is PAPER_STEP = 0.001
 // of the volume's longest side. README.md in this folder says where the paper leaves a choice, which one was
-// made, and why it favours the paper.
+// made, and why it favors the paper.
 //
 // The text before defines KELP_FN, KELP_CONTEXT_, KELP_CONTEXT, KELP_SEGMENT, KELP_SIZE and KELP_LEVEL_SIZE
 // as trace.glsl wants them, and:
-//   PAPER_FETCH(v)   float: the dense 3D texture at voxel v: distance to the nearest solid voxel's centre,
+//   PAPER_FETCH(v)   float: the dense 3D texture at voxel v: distance to the nearest solid voxel's center,
 //                    0 in solid voxels
 //   PAPER_STEP       float: the constant step, voxels
 //   PAPER_FOOT       float, optional: voxels below the segment, where it bends only a slice of the volume;

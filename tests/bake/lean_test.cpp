@@ -47,7 +47,8 @@ void expectLine(const runtime::Instance& instance, double slope) {
   for (int layer = 0; layer < part.size.y; layer += 3) {
     const float y = static_cast<float>((layer + 0.5) * voxel);
     const glm::dvec3 wanted(slope * double{y}, y, 0);
-    EXPECT_LT(glm::distance(glm::dvec3(runtime::toWorld(instance, 0, {0, y, 0})), wanted), 0.01 * voxel);
+    EXPECT_LT(glm::distance(glm::dvec3(runtime::toWorld(instance, 0, {0, y, 0}).value()), wanted),
+              0.01 * voxel);
     const auto left = runtime::raycast(instance, {{-20, y, 0.01f}, {1, 0, 0}}),
                right = runtime::raycast(instance, {{20, y, 0.01f}, {-1, 0, 0}});
     ASSERT_TRUE(left && right) << layer;
@@ -117,7 +118,8 @@ TEST(Lean, ATangentThatIsGivenBendsTheColumn) {
     for (double y = 0; y <= 1; y += 0.01) {
       // Hermite: from 0 upright to 0.3 with the slope 0.3, or upright too.
       const double x = 0.3 * y * y * (follows ? 2 - y : 3 - 2 * y);
-      const glm::vec3 at = runtime::toWorld(column.instance(), 0, {0, kHeight * static_cast<float>(y), 0});
+      const glm::vec3 at =
+          runtime::toWorld(column.instance(), 0, {0, kHeight * static_cast<float>(y), 0}).value();
       EXPECT_NEAR(at.x, kHeight * x, 0.01 * kHeight / 128) << y;
     }
   }

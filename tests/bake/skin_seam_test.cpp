@@ -197,8 +197,8 @@ class Seams {
     }
   }
   double widthBetween(const runtime::Instance& instance, const Line& line, glm::vec3 Copy::*place) const {
-    const glm::dvec3 from(runtime::toWorld(instance, line.a.part, line.a.*place)),
-        to(runtime::toWorld(instance, line.b.part, line.b.*place));
+    const glm::dvec3 from(runtime::toWorld(instance, line.a.part, line.a.*place).value()),
+        to(runtime::toWorld(instance, line.b.part, line.b.*place).value());
     const double apart = glm::length(to - from) / voxel_;
     double width = 0;
     const int steps = static_cast<int>(std::ceil(2 * apart));

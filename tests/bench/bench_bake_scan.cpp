@@ -36,11 +36,11 @@ void divideSome(std::size_t triangles, std::vector<glm::vec3>& points, std::vect
   for (std::size_t i = 0; i < chosen; ++i) {
     const std::size_t at = i * count / chosen;
     const auto [a, b, c] = faces[at];
-    const std::uint32_t centre = static_cast<std::uint32_t>(points.size());
+    const std::uint32_t center = static_cast<std::uint32_t>(points.size());
     points.push_back((points[a] + points[b] + points[c]) / 3.0f);
-    faces[at] = {a, b, centre};
-    faces.push_back({b, c, centre});
-    faces.push_back({c, a, centre});
+    faces[at] = {a, b, center};
+    faces.push_back({b, c, center});
+    faces.push_back({c, a, center});
   }
 }
 

@@ -13,7 +13,7 @@ namespace kelp::bench {
 bool haveSeungLab() { return true; }
 
 EdtRun runSeungLab(const fields::Occupancy& volume, int threads) {
-  // It measures from labelled voxels to the nearest of another label: the empty ones are labelled.
+  // It measures from labeled voxels to the nearest of another label: the empty ones are labeled.
   std::vector<std::uint8_t> labels(volume.solid.size());
   for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = volume.solid[i] ? 0 : 1;
   EdtRun run;

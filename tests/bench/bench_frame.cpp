@@ -68,7 +68,7 @@ struct Field {
       : crowd(library, count, clip) {
     placeAll(crowd);
     test::FakeGl::current() = &fake;
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = test::FakeGl::getProcAddress;
     config.state = gl::State::kRestore;
     renderer = gl::Renderer::create(config).value();

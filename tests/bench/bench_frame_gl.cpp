@@ -213,7 +213,7 @@ void reportGl(Report& out, const Foxes* foxes, bool foxes_only, const glm::ivec2
   std::printf("\n%s, %d x %d\n", reinterpret_cast<const char*>(glGetString(GL_RENDERER)), size.x, size.y);
   const Target target(size);
   const Library library(1);
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = test::EglContext::getProcAddress;
   const auto renderer = gl::Renderer::create(config);
   if (!renderer) {

@@ -31,7 +31,7 @@ struct Report {
   }
 };
 
-// `columns` by `rows` instances that fill 4 by 3 of the view at the plane z, cell by cell; each a metre high
+// `columns` by `rows` instances that fill 4 by 3 of the view at the plane z, cell by cell; each a meter high
 // at scale 1, and standing on the cell's lower side.
 void tile(Crowd& crowd, std::size_t from, std::size_t count, int columns, int rows, float z);
 

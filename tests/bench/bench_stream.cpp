@@ -57,7 +57,7 @@ struct Counted {
 class Painter {
  public:
   explicit Painter(std::span<const std::unique_ptr<runtime::Asset>> assets) : canvas_(kViewport) {
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
     renderer_ = expect(gl::Renderer::create(config), "a renderer");
     Box all{glm::vec3(0), glm::vec3(0)};
@@ -71,8 +71,8 @@ class Painter {
       instance.to_world[3] = glm::vec4(glm::vec3(all.max.x, 0, 0) - scale * box.min, 1);
       all.max = glm::max(all.max, bounds(instance).max);
     }
-    const glm::vec3 centre = 0.5f * all.max;
-    view_ = lookAt(canvas_, centre + 0.9f * glm::length(all.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
+    const glm::vec3 center = 0.5f * all.max;
+    view_ = lookAt(canvas_, center + 0.9f * glm::length(all.max) * glm::vec3(0.5f, 0.4f, 0.7f), center);
   }
   gl::Stats upload(std::uint64_t most) { return expect(renderer_->upload(most), "an upload"); }
   std::vector<Pixel> draw() {

@@ -70,10 +70,10 @@ Camera fitted(const std::vector<dvec3>& points, const dvec3& direction, double a
   }
   Camera camera;
   camera.lookAlong(direction);
-  const dvec3 centre = 0.5 * (low + high);
+  const dvec3 center = 0.5 * (low + high);
   double back = 0;
   for (const dvec3& p : points) {
-    const dvec3 d = p - centre;
+    const dvec3 d = p - center;
     const double x = std::abs(glm::dot(d, camera.right)) / aspect, y = std::abs(glm::dot(d, camera.up)),
                  z = glm::dot(d, camera.forward);
     if (orthographic) {
@@ -83,7 +83,7 @@ Camera fitted(const std::vector<dvec3>& points, const dvec3& direction, double a
       back = std::max(back, std::max(x, y) / camera.tangent - z);
     }
   }
-  camera.eye = centre - back * camera.forward;
+  camera.eye = center - back * camera.forward;
   return camera;
 }
 

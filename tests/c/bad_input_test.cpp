@@ -57,7 +57,6 @@ const Call kAssetCalls[] = {
     {"part", [](const Handles& h) { return kelp_asset_get_part(h.asset, 0, out<kelp_part>()); }},
     {"clip", [](const Handles& h) { return kelp_asset_get_clip(h.asset, 0, out<kelp_clip>()); }},
     {"find_clip", [](const Handles& h) { return kelp_asset_find_clip(h.asset, "sway", &number); }},
-    {"ended", [](const Handles& h) { return kelp_asset_clip_has_ended(h.asset, 0, 1, &yes); }},
     {"wave", [](const Handles& h) { return kelp_asset_get_wave(h.asset, 0, 0, out<kelp_wave>()); }},
     {"track", [](const Handles& h) { return kelp_asset_get_track(h.asset, 0, 0, out<kelp_track>()); }},
     {"socket", [](const Handles& h) { return kelp_asset_get_socket(h.asset, 0, out<kelp_socket>()); }},
@@ -273,10 +272,10 @@ TEST_F(CBadInput, SizesOfStructs) {
   expectSizes("level", sized<kelp_level>(), [a](kelp_level* s) { return kelp_asset_get_level(a, 0, 0, s); });
   expectSizes("distance level", sized<kelp_distance_level>(),
               [a](kelp_distance_level* s) { return kelp_asset_get_distance_level(a, 0, 0, s); });
-  expectSizes("spring settings", sized<kelp_spring_settings>(),
-              [](kelp_spring_settings* s) { return kelp_spring_settings_defaults(s); });
-  expectSizes("config", sized<kelp_renderer_config>(),
-              [](kelp_renderer_config* s) { return kelp_renderer_config_defaults(s); });
+  expectSizes("spring settings", sized<kelp_spring_options>(),
+              [](kelp_spring_options* s) { return kelp_spring_options_defaults(s); });
+  expectSizes("config", sized<kelp_renderer_options>(),
+              [](kelp_renderer_options* s) { return kelp_renderer_options_defaults(s); });
   expectSizes("view", sized<kelp_view>(), [](kelp_view* s) { return kelp_view_defaults(s); });
   expectSizes("instance", sized<kelp_instance>(), [](kelp_instance* s) { return kelp_instance_defaults(s); });
 
@@ -339,7 +338,8 @@ TEST_F(CBadInput, NullPointersAndBadNumbers) {
   auto source = sized<kelp_source>();
   kelp_asset asset = {};
   kelp_renderer renderer = {};
-  auto config = sized<kelp_renderer_config>();
+  auto config = sized<kelp_renderer_options>();
+  std::uint64_t bytes = 0;
   for (const kelp_result result : {
            kelp_asset_open(nullptr, nullptr, &asset),
            kelp_asset_open(&source, nullptr, &asset),  // no read
@@ -374,6 +374,7 @@ TEST_F(CBadInput, NullPointersAndBadNumbers) {
   EXPECT_KELP(KELP_ERROR_NULL, kelp_instance_get_bounds(&painted, &box));
   for (const kelp_result result : {
            kelp_renderer_create(&config, &renderer),
+           kelp_pool_bytes(a, 8, &bytes),
            kelp_asset_get_part(a, 2, out<kelp_part>()),
            kelp_asset_get_part(a, -1, out<kelp_part>()),
            kelp_asset_get_clip(a, 1, out<kelp_clip>()),

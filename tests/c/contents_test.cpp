@@ -109,11 +109,6 @@ TEST(CContents, Clips) {
       expectSame(track.keys[k].out, from.keys[k].out, "out");
     }
   }
-  for (const double seconds : {-1.0, 1.0, 3.5, 4.0}) {
-    kelp_bool ended = 7;
-    ASSERT_KELP(kelp_asset_clip_has_ended(assets.c, 0, seconds, &ended));
-    EXPECT_EQ(hasEnded(*assets.cpp, 0, seconds), ended != 0) << seconds;
-  }
 }
 
 TEST(CContents, NamesAreFoundAndAnErrorListsThem) {

@@ -59,8 +59,7 @@ Log = CFUNCTYPE(None, c_void_p, c_char_p)
 class Config(Structure):
     _fields_ = [("struct_size", c_uint32), ("state", c_int32), ("get_proc_address", GetProcAddress),
                 ("log", Log), ("user", c_void_p), ("gpu_budget", c_uint64), ("surface_glsl", c_char_p),
-                ("allocator", c_void_p), ("secondary_rays", c_uint32), ("distances", c_uint32),
-                ("gradient_only", c_uint32)]
+                ("allocator", c_void_p), ("features", c_uint32)]
 
 
 class View(Structure):
@@ -203,7 +202,7 @@ def draw(kelp, egl, asset, instance):
     egl.make_framebuffer()
     get_proc_address = GetProcAddress(lambda _, name: egl.address(name))
     config, renderer, stats = sized(Config), Handle(), sized(Stats)
-    kelp("renderer_config_defaults", byref(config))
+    kelp("renderer_options_defaults", byref(config))
     config.get_proc_address = get_proc_address
     config.gpu_budget = 1 << 20
     kelp("renderer_create", byref(config), byref(renderer))

@@ -24,7 +24,7 @@ kelp_view viewOf(const gl::View& view) {
   return out;
 }
 
-// A body of a metre a voxel, with distances.
+// A body of a meter a voxel, with distances.
 std::string bodyFile(const Scratch& scratch) {
   RawPack pack = distancePackOf(ballClump({24, 32, 20}, 12, 3));
   pack.parts[0].to_object = glm::mat4x3(1);
@@ -37,24 +37,24 @@ class CDraw : public GlTest {
     GlTest::SetUp();
     if (!IsSkipped()) canvas_.emplace(kSize);
   }
-  kelp_renderer make(bool all = false, bool gradient_only = false) {
-    auto config = sized<kelp_renderer_config>();
-    EXPECT_KELP(KELP_OK, kelp_renderer_config_defaults(&config));
-    EXPECT_EQ(gl::Config{}.gpu_budget, config.gpu_budget);
+  kelp_renderer make(kelp_features features = 0) {
+    auto config = sized<kelp_renderer_options>();
+    EXPECT_KELP(KELP_OK, kelp_renderer_options_defaults(&config));
+    EXPECT_EQ(gl::RendererOptions{}.gpu_budget, config.gpu_budget);
     config.gpu_budget = 1 << 20;
     config.get_proc_address = EglContext::getProcAddress;
     config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
-    config.secondary_rays = config.distances = all;
-    config.gradient_only = gradient_only;
+    config.features = features;
     kelp_renderer out = {};
     EXPECT_KELP(KELP_OK, kelp_renderer_create(&config, &out));
     return out;
   }
-  static std::unique_ptr<gl::Renderer> makeCpp(const BothAssets& assets, bool all = false) {
-    gl::Config config;
+  static std::unique_ptr<gl::Renderer> makeCpp(const BothAssets& assets,
+                                               gl::Features features = gl::Features::kNone) {
+    gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
     config.gpu_budget = 1 << 20;
-    config.secondary_rays = config.distances = all;
+    config.features = features;
     auto out = std::move(gl::Renderer::create(config)).value();
     out->add(*assets.cpp).value();
     EXPECT_EQ(0u, out->upload(1 << 20).value().pending);
@@ -95,14 +95,14 @@ TEST_P(CDraw, PixelsAreThoseOfCpp) {
   instances.c[1].palette_count = 2;
   instances.cpp[1].palette = same_red;
   instances.c[2].tint[0] = instances.cpp[2].tint.r = 0.2f;
-  const kelp_renderer renderer = make(true);
+  const kelp_renderer renderer = make(KELP_FEATURE_SECONDARY_RAYS | KELP_FEATURE_DISTANCES);
   ASSERT_KELP(kelp_renderer_add(renderer, assets.c));
   EXPECT_KELP(KELP_ERROR_MISUSE, kelp_renderer_add(renderer, assets.c));
   auto stats = sized<kelp_stats>();
   ASSERT_KELP(kelp_renderer_upload(renderer, 1 << 20, &stats));
   EXPECT_EQ(0u, stats.pending);
   EXPECT_GT(stats.bytes_uploaded, 0u);
-  const auto cpp = makeCpp(assets, true);
+  const auto cpp = makeCpp(assets, gl::Features::kSecondaryRays | gl::Features::kDistances);
 
   std::vector<std::vector<Pixel>> pictures;
   for (int kind = 0; kind < 8; ++kind) {
@@ -135,8 +135,8 @@ TEST_P(CDraw, PixelsAreThoseOfCpp) {
     gl::Stats expected;
     const auto by_cpp = picture([&] { expected = cpp->draw(view, instances.cpp).value(); });
     const auto by_c = picture([&] {
-      ASSERT_KELP(kelp_renderer_draw(renderer, &c_view, instances.c.data(), instances.kCount,
-                                     KELP_PASS_COLOUR, &stats));
+      ASSERT_KELP(kelp_renderer_draw(renderer, &c_view, instances.c.data(), instances.kCount, KELP_PASS_COLOR,
+                                     &stats));
     });
     EXPECT_TRUE(by_cpp == by_c) << kind;
     expectStats(expected, stats);
@@ -147,7 +147,7 @@ TEST_P(CDraw, PixelsAreThoseOfCpp) {
   ASSERT_KELP(kelp_renderer_remove(renderer, assets.c));
   const kelp_view view = viewOf(look());
   EXPECT_KELP(KELP_ERROR_MISUSE, kelp_renderer_draw(renderer, &view, instances.c.data(), instances.kCount,
-                                                    KELP_PASS_COLOUR, nullptr));
+                                                    KELP_PASS_COLOR, nullptr));
   EXPECT_EQ(kelp_unit{KELP_UNIT_INSTANCE}, lastError().unit);
   ASSERT_KELP(kelp_renderer_destroy(renderer));
   EXPECT_KELP(KELP_ERROR_HANDLE, kelp_renderer_destroy(renderer));
@@ -198,8 +198,8 @@ TEST_P(CDraw, DepthFogAndReversedDepth) {
 TEST_P(CDraw, ShadersOfTheHost) {
   const BothAssets assets(packFile("distance"));
   const BothInstances instances(assets);
-  auto config = sized<kelp_renderer_config>();
-  ASSERT_KELP(kelp_renderer_config_defaults(&config));
+  auto config = sized<kelp_renderer_options>();
+  ASSERT_KELP(kelp_renderer_options_defaults(&config));
   config.get_proc_address = EglContext::getProcAddress;
   config.gpu_budget = 1 << 20;
   config.state = KELP_STATE_LEAVE;
@@ -232,8 +232,8 @@ TEST_P(CDraw, ShadersOfTheHost) {
   c_view.previous_world_to_clip = c_view.world_to_eye;
   auto stats = sized<kelp_stats>();
   const auto pixels = picture([&] {
-    ASSERT_KELP(kelp_renderer_draw(renderer, &c_view, instances.c.data(), instances.kCount, KELP_PASS_COLOUR,
-                                   &stats));
+    ASSERT_KELP(
+        kelp_renderer_draw(renderer, &c_view, instances.c.data(), instances.kCount, KELP_PASS_COLOR, &stats));
   });
   EXPECT_EQ(2, bound) << "sheared and swept parts";
   const auto is_mine = [](const Pixel& pixel) { return pixel[0] == 127 || pixel[0] == 128; };
@@ -247,7 +247,7 @@ TEST_P(CDraw, ShadersOfTheHost) {
   by_pose.previous_pose = instances.c[1].pose;
   const auto draw_one = [&](const kelp_instance& one) {
     return picture(
-        [&] { ASSERT_KELP(kelp_renderer_draw(renderer, &c_view, &one, 1, KELP_PASS_COLOUR, nullptr)); });
+        [&] { ASSERT_KELP(kelp_renderer_draw(renderer, &c_view, &one, 1, KELP_PASS_COLOR, nullptr)); });
   };
   const auto still = draw_one(instances.c[0]), moved = draw_one(by_matrix), bent = draw_one(by_pose);
   EXPECT_FALSE(still == moved);
@@ -305,17 +305,17 @@ TEST_P(CDraw, TraceGlslAndLevels) {
                                                           instances.kCount, 100000, &stats));
   glDeleteProgram(program);
 
-  for (const kelp_bool distances : {0u, 1u}) {
+  for (const auto features : {gl::Features::kNone, gl::Features::kDistances}) {
     std::uint64_t bytes = 0;
-    ASSERT_KELP(kelp_pool_bytes(assets.c, distances, &bytes));
-    EXPECT_EQ(gl::poolBytes(*assets.cpp, distances != 0), bytes);
+    ASSERT_KELP(kelp_pool_bytes(assets.c, static_cast<kelp_features>(features), &bytes));
+    EXPECT_EQ(gl::poolBytes(*assets.cpp, features), bytes);
   }
   bool levels[3] = {};
   for (int i = 0; i < 400; ++i) {
     const glm::ivec2 pixel(i % 20, i / 20);
     std::int32_t level = -9;
     ASSERT_KELP(kelp_level_at(&c_view, &instances.c[1], 0, pixel.x, pixel.y, &level));
-    ASSERT_EQ(gl::levelAt(view, instances.cpp[1], 0, pixel), level);
+    ASSERT_EQ(gl::levelAt(view, instances.cpp[1], 0, pixel).value_or(KELP_NONE), level);
     levels[level + 1] = true;
   }
   EXPECT_TRUE(levels[1] || levels[2]);
@@ -325,8 +325,8 @@ TEST_P(CDraw, TraceGlslAndLevels) {
 TEST_P(CDraw, AnInstanceThatCannotBeDrawnIsLeftOut) {
   const BothAssets assets(packFile("distance"));
   BothInstances instances(assets);
-  auto config = sized<kelp_renderer_config>();
-  ASSERT_KELP(kelp_renderer_config_defaults(&config));
+  auto config = sized<kelp_renderer_options>();
+  ASSERT_KELP(kelp_renderer_options_defaults(&config));
   config.get_proc_address = EglContext::getProcAddress;
   kelp_renderer renderer = {};
   ASSERT_KELP(kelp_renderer_create(&config, &renderer));
@@ -336,7 +336,7 @@ TEST_P(CDraw, AnInstanceThatCannotBeDrawnIsLeftOut) {
   const kelp_view view = viewOf(look());
   auto stats = sized<kelp_stats>();
   ASSERT_KELP(
-      kelp_renderer_draw(renderer, &view, instances.c.data(), instances.kCount, KELP_PASS_COLOUR, &stats));
+      kelp_renderer_draw(renderer, &view, instances.c.data(), instances.kCount, KELP_PASS_COLOR, &stats));
   EXPECT_EQ(1u, stats.left_out);
   EXPECT_EQ(1u, stats.first_left_out);
   EXPECT_EQ(kelp_result{KELP_ERROR_MISUSE}, stats.first_left_out_result);
@@ -347,10 +347,10 @@ TEST_P(CDraw, AnInstanceThatCannotBeDrawnIsLeftOut) {
 TEST_P(CDraw, MistakesAreErrors) {
   const BothAssets assets(packFile("distance"));
   const BothInstances instances(assets);
-  const kelp_renderer renderer = make(false, true);
+  const kelp_renderer renderer = make(KELP_FEATURE_GRADIENT_ONLY);
   ASSERT_KELP(kelp_renderer_add(renderer, assets.c));
   kelp_view view = viewOf(look());
-  const auto draw = [&](kelp_pass pass = KELP_PASS_COLOUR) {
+  const auto draw = [&](kelp_pass pass = KELP_PASS_COLOR) {
     return kelp_renderer_draw(renderer, &view, instances.c.data(), instances.kCount, pass, nullptr);
   };
   EXPECT_KELP(KELP_ERROR_MISUSE, draw(3));
@@ -372,8 +372,8 @@ TEST_P(CDraw, MistakesAreErrors) {
   auto stats = sized<kelp_stats>();
   stats.struct_size = 5;
   EXPECT_KELP(KELP_ERROR_STRUCT_SIZE, kelp_renderer_upload(renderer, 0, &stats));
-  EXPECT_KELP(KELP_ERROR_NULL, kelp_renderer_draw(renderer, nullptr, nullptr, 0, KELP_PASS_COLOUR, nullptr));
-  EXPECT_KELP(KELP_ERROR_NULL, kelp_renderer_draw(renderer, &view, nullptr, 1, KELP_PASS_COLOUR, nullptr));
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_renderer_draw(renderer, nullptr, nullptr, 0, KELP_PASS_COLOR, nullptr));
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_renderer_draw(renderer, &view, nullptr, 1, KELP_PASS_COLOR, nullptr));
   EXPECT_KELP(KELP_OK, draw());
   EXPECT_KELP(KELP_ERROR_HANDLE, kelp_renderer_add(renderer, {0}));
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Usage: c_pack_file OUT.kelp
 //
-// Writes what ctypes_test.py draws: an orange column, one metre high, a quarter of a metre thick, whose clip
+// Writes what ctypes_test.py draws: an orange column, one meter high, a quarter of a meter thick, whose clip
 // "sway" moves its tip by 0.25 heights to +x and back, in 2 s.
 #include <cstdio>
 

@@ -85,11 +85,11 @@ TEST(CPose, KnotsAreSetCheckedAndClamped) {
 
 class BothSprings {
  public:
-  BothSprings(const BothAssets& assets, const runtime::SpringSettings& settings)
+  BothSprings(const BothAssets& assets, const runtime::SpringOptions& settings)
       : cpp(std::move(runtime::Spring::create(*assets.cpp, settings)).value()) {
-    auto same = sized<kelp_spring_settings>();
-    EXPECT_KELP(KELP_OK, kelp_spring_settings_defaults(&same));
-    const runtime::SpringSettings defaults;
+    auto same = sized<kelp_spring_options>();
+    EXPECT_KELP(KELP_OK, kelp_spring_options_defaults(&same));
+    const runtime::SpringOptions defaults;
     EXPECT_EQ(defaults.damping, same.damping);
     EXPECT_EQ(defaults.reach, same.reach);
     EXPECT_EQ(defaults.frequency, same.frequency);
@@ -140,7 +140,7 @@ TEST(CSpring, SwingsAsInCpp) {
     springs.expectEqual();
     ASSERT_KELP(kelp_spring_step(springs.c, 0.1f));
     springs.cpp.step(0.1f).value();
-    const glm::vec3 player = toWorld(same, 0, {1, 20, 1});
+    const glm::vec3 player = toWorld(same, 0, {1, 20, 1}).value();
     ASSERT_KELP(kelp_spring_push_away(springs.c, &in, &player.x, 3));
     springs.cpp.pushAway(same, player, 3).value();
     springs.expectEqual();

@@ -44,7 +44,7 @@ BentMesh bent(const test::Mesh& mesh, const runtime::Instance& instance) {
   for (const auto& t : mesh.triangles) {
     auto& triangle = out.triangles.emplace_back();
     for (std::size_t i = 0; i < 3; ++i)
-      triangle[i] = toWorld(instance, 0, mesh.points[static_cast<std::size_t>(t[i])]);
+      triangle[i] = toWorld(instance, 0, mesh.points[static_cast<std::size_t>(t[i])]).value();
   }
   return out;
 }
@@ -60,7 +60,7 @@ double flatness(const test::Mesh& mesh, const BentMesh& bent, const runtime::Ins
                 dvec3(mesh.points[static_cast<std::size_t>(mesh.triangles[i][static_cast<std::size_t>(k)])]);
         flat += weights[k] * bent.triangles[i][static_cast<std::size_t>(k)];
       }
-      most = std::max(most, glm::distance(flat, dvec3(toWorld(instance, 0, glm::vec3(rest)))));
+      most = std::max(most, glm::distance(flat, dvec3(toWorld(instance, 0, glm::vec3(rest)).value())));
     };
     at(dvec3(0.5, 0.5, 0));
     at(dvec3(0, 0.5, 0.5));
@@ -78,7 +78,8 @@ double stretch(const runtime::Instance& instance, const glm::vec3& rest) {
     const glm::vec3 direction(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     if (i == 13) continue;
     const glm::vec3 step = kStep * glm::normalize(direction);
-    const glm::vec3 a = toWorld(instance, 0, rest - step), b = toWorld(instance, 0, rest + step);
+    const glm::vec3 a = toWorld(instance, 0, rest - step).value(),
+                    b = toWorld(instance, 0, rest + step).value();
     most = std::max(most, double{glm::distance(a, b)} / (2 * kStep));
   }
   return most;

@@ -68,7 +68,7 @@ TEST(Normal, ErrorIsSmallInTheMeanAndAtWorst) {
   EXPECT_LT(worst, 0.042);
 }
 
-TEST(Normal, EncodeFindsTheNearestOfAWideNeighbourhood) {
+TEST(Normal, EncodeFindsTheNearestOfAWideNeighborhood) {
   std::mt19937 random(2);
   for (int i = 0; i < 3000; ++i) {
     Vector d = randomDirection(random);

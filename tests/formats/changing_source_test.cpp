@@ -56,7 +56,7 @@ bool readsSomethingElse(const Source& source, std::span<const RawPack> packs) {
   return !equal;
 }
 
-// The tiny pack and one of the same shape and size in bytes with another colour, another voxel and another
+// The tiny pack and one of the same shape and size in bytes with another color, another voxel and another
 // clip.
 std::vector<RawPack> twoPacks() {
   RawPack other = test::makeTinyPack();

@@ -22,11 +22,11 @@ using test::Lie;
 using test::PackSurgeon;
 
 // Bricks of noise around a brick, some of them unknown.
-struct Neighbourhood {
+struct Neighborhood {
   std::array<BrickBits, 125> bits;
   std::array<const BrickBits*, 125> around{};
 
-  Neighbourhood(std::mt19937& random, unsigned shift, bool all_known) {
+  Neighborhood(std::mt19937& random, unsigned shift, bool all_known) {
     for (std::size_t i = 0; i < bits.size(); ++i) {
       for (std::uint64_t& slice : bits[i].slices) {
         slice = ~std::uint64_t{0};
@@ -49,7 +49,7 @@ TEST(Distance, CodesAreThoseOfEveryPairOfVoxels) {
   for (std::uint32_t seed = 0; seed < static_cast<std::uint32_t>(test::shareOf(60)); ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
-    const Neighbourhood n(random, 1 + seed % 8, seed % 3 == 0);
+    const Neighborhood n(random, 1 + seed % 8, seed % 3 == 0);
     const DistanceBand band = bands[seed % std::size(bands)];
     std::array<std::uint8_t, kBrickVoxels> codes;
     computeDistanceCodes(n.around, band, codes);
@@ -191,7 +191,7 @@ TEST(Distance, TheWriterRefusesWhatReadersWould) {
        [](RawPack& p) {
          p.parts[0].distances[0].band = {15, 4};
        }},
-      {"too far", [](RawPack& p) { p.parts[1].distances[0].codes[0] = 2; }},  // its neighbour is solid
+      {"too far", [](RawPack& p) { p.parts[1].distances[0].codes[0] = 2; }},  // its neighbor is solid
       {"solid outside", [](RawPack& p) { p.parts[1].distances[0].codes[2] = 254; }},
       {"all far",
        [](RawPack& p) {

@@ -106,7 +106,7 @@ const Lie kFogIndexLies[] = {
      [](PackSurgeon& s) { set(s.content("PART"), 8 + 8, std::uint8_t{2}); }},
 };
 
-// Two records of 28 bytes at 4 and 32, the extinctions of smoke 0, smoke 1, flame 0 at 60, the two colours of
+// Two records of 28 bytes at 4 and 32, the extinctions of smoke 0, smoke 1, flame 0 at 60, the two colors of
 // flame's ramp at 72.
 const Lie kFogTableLies[] = {
     {"too short for a count", kCorrupt, [](PackSurgeon& s) { s.content("FOGS").resize(3); }},

@@ -130,16 +130,16 @@ inline std::vector<TestPage> allPages(World world, std::uint32_t palette, const 
   return pages;
 }
 
-inline bool inBall(const glm::ivec3& v, const glm::vec3& centre, float radius) {
-  return glm::distance(glm::vec3(v) + 0.5f, centre) < radius;
+inline bool inBall(const glm::ivec3& v, const glm::vec3& center, float radius) {
+  return glm::distance(glm::vec3(v) + 0.5f, center) < radius;
 }
 
 // A ball with a bite, in a box that is no multiple of 8, with a look that is flat, smooth or noise.
 inline World ballWorld(int side) {
-  const glm::vec3 centre = glm::vec3(static_cast<float>(side)) * glm::vec3(0.5f, 0.45f, 0.55f);
+  const glm::vec3 center = glm::vec3(static_cast<float>(side)) * glm::vec3(0.5f, 0.45f, 0.55f);
   const float radius = static_cast<float>(side) * 0.42f;
   return makeWorld({side, side - 3, side + 5}, [=](const glm::ivec3& v) {
-    return inBall(v, centre, radius) && !inBall(v, centre + radius, radius);
+    return inBall(v, center, radius) && !inBall(v, center + radius, radius);
   });
 }
 

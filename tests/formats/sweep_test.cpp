@@ -47,7 +47,7 @@ std::vector<SweepRig> rigs() {
 }
 
 // What README.md says of the estimate.
-TEST(Sweep, TheCentreLineIsTheSplineWithinTheTolerance) {
+TEST(Sweep, TheCenterLineIsTheSplineWithinTheTolerance) {
   int rigs_beyond = 0, all = 0;
   for (const SweepRig& rig : rigs()) {
     const ArcChain chain = chainOf(rig);
@@ -229,13 +229,14 @@ TEST(Sweep, PointsGoThereAndBack) {
                   world.z >= chain.bounds.min.z && world.x <= chain.bounds.max.x &&
                   world.y <= chain.bounds.max.y && world.z <= chain.bounds.max.z)
           << rig.name;
-      glm::vec3 back;
-      ASSERT_TRUE(unsweepPoint(chain, kSize, world, back)) << rig.name;
+      const std::optional<glm::vec3> found = unsweepPoint(chain, kSize, world);
+      ASSERT_TRUE(found) << rig.name;
+      const glm::vec3 back = *found;
       if (glm::distance(back, rest) < 0.01f) {
         ++same;
         continue;
       }
-      // Coils overlap there: it is another place that lies there too, no farther from the centre line.
+      // Coils overlap there: it is another place that lies there too, no farther from the center line.
       EXPECT_LT(glm::distance(sweepPoint(chain, kSize, back), world), 0.01f) << rig.name;
       const auto off = [](const glm::vec3& p) { return glm::length(glm::vec2(p.x - 32, p.z - 26)); };
       EXPECT_LE(off(back), off(rest) + 0.01f) << rig.name;

@@ -30,7 +30,7 @@ inline RawPack makeTinyFogPack() {
   smoke.to_object[3] = {-13, 0, -4.5f};
   smoke.knots = {{0, {0, 0, 0}, {0.25f, 0.75f, 0.125f}}, {1, {0.125f, 1, 0}, {0, 1, 0}}};
   smoke.fog = RawFog{{0.75f, 0.5f, 0.25f}, -0.5f, 0, {}};
-  // The third of four bricks along x is clear, and its neighbours are where they share samples with it.
+  // The third of four bricks along x is clear, and its neighbors are where they share samples with it.
   smoke.levels = {fogLevel(smoke.size, 0.125f,
                            [](const glm::ivec3& v) {
                              return static_cast<std::uint8_t>(v.x < 16

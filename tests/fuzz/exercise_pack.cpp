@@ -75,8 +75,8 @@ void ask(const runtime::Instance& instance) {
   for (int part = 0; part < static_cast<int>(parts.size()); ++part) {
     const Part& of = parts[static_cast<std::size_t>(part)];
     const glm::vec3 rest = of.to_object * glm::vec4(0.3f * glm::vec3(of.size), 1);
-    runtime::frameAt(instance, part, rest);
-    runtime::toRest(instance, part, runtime::toWorld(instance, part, rest));
+    static_cast<void>(runtime::frameAt(instance, part, rest));
+    if (const auto world = runtime::toWorld(instance, part, rest)) runtime::toRest(instance, part, *world);
   }
   constexpr std::size_t kMostParts = 4;  // a search that gives up takes some milliseconds a part
   if (parts.size() <= kMostParts) askDistances(instance);

@@ -103,11 +103,12 @@ void exerciseRenderer(std::unique_ptr<runtime::Asset> asset, std::uint64_t choic
   if (choice & 2) fake.version = "4.6 fake";
   fake.out_of_memory = choice / 4 % 32 == 0;
   test::FakeGl::current() = &fake;
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = &test::FakeGl::getProcAddress;
   config.gpu_budget = choice / 128 % 2 ? 64 * 4096 : 96 * 4096;
-  config.secondary_rays = choice / 256 % 2;
-  config.distances = choice / 4096 % 2;
+  const bool distances = choice / 4096 % 2;
+  config.features = (choice / 256 % 2 ? gl::Features::kSecondaryRays : gl::Features::kNone) |
+                    (distances ? gl::Features::kDistances : gl::Features::kNone);
   config.allocator = allocator;
   auto created = gl::Renderer::create(config);
   if (!created || !(*created)->add(*asset)) return;
@@ -126,16 +127,16 @@ void exerciseRenderer(std::unique_ptr<runtime::Asset> asset, std::uint64_t choic
       if (stats->bytes_uploaded > max_bytes) fault("an upload of more than its budget");
       if (stats->gpu_bytes > config.gpu_budget) fault("more than gpu_budget");
     }
-    checkPool(fake, *asset, config.distances);
+    checkPool(fake, *asset, distances);
     gl::View view = viewOf(straight, frame < 3 ? 0.6f : 40.0f);
     view.quality.depth_batches = 1 + frame % 3;
     view.quality.shading = static_cast<gl::Shading>(frame % 3);
-    view.quality.soft_shadows = config.distances && frame % 2 ? 1.0f : 0.0f;
-    view.quality.occlusion = config.distances && frame % 3 == 0;
+    view.quality.soft_shadows = distances && frame % 2 ? 1.0f : 0.0f;
+    view.quality.occlusion = distances && frame % 3 == 0;
     static_cast<void>(renderer.draw(view, std::span(both).first(static_cast<std::size_t>(1 + frame % 2))));
     static_cast<void>(renderer.draw(view, both, frame % 2 ? gl::Pass::kFog : gl::Pass::kDepth));
     static_cast<void>(renderer.bindTrace(1, view, both));
-    if (gl::levelAt(view, bent, 0, {320, 240}) >= asset->pack().parts()[0].levels)
+    if (gl::levelAt(view, bent, 0, {320, 240}).value_or(0) >= asset->pack().parts()[0].levels)
       fault("a level that is not there");
   }
   switch (choice / 1024 % 4) {

@@ -104,7 +104,7 @@ void writeVoxels(const std::filesystem::path& folder) {
   write(folder / "moving.vox", moving.bytes());
 }
 
-// A tent with a picture on it, and corners of all colours.
+// A tent with a picture on it, and corners of all colors.
 SourceModel tent() {
   SourceModel model;
   SurfaceMaterial cloth;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the sanitizers do without being asked: any undefined behaviour ends the run, and so does a single
+// What the sanitizers do without being asked: any undefined behavior ends the run, and so does a single
 // allocation of more than kelp promises for hostile input. A small quarantine leaves the memory limit to the
 // code under test.
 extern "C" {

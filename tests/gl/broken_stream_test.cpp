@@ -20,7 +20,7 @@ class BrokenStreamTest : public GlTest {
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped()) return;
-    gl::Config config;
+    gl::RendererOptions config;
     config.gpu_budget = 8 << 20;
     renderer_ = createRenderer(config);
   }

@@ -92,7 +92,7 @@ TEST_P(BudgetTest, AQuarterOfTheScenesBytesDrawsAllTheTime) {
   Meadow meadow(5, 30, 320);
   const std::uint64_t budget = meadow.gpuBytes() / 4;
   const DepthCanvas canvas(GetParam(), {32, 24}, GL_DEPTH_COMPONENT32F);
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = CountedGl::getProcAddress;
   config.gpu_budget = budget;
   const auto renderer = createRenderer(config);
@@ -139,7 +139,7 @@ class Residents : public testing::Test {
  protected:
   void SetUp() override { FakeGl::current() = &fake_; }
   static std::unique_ptr<gl::Renderer> create(std::uint64_t budget) {
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = FakeGl::getProcAddress;
     config.gpu_budget = budget;
     return createRenderer(config);

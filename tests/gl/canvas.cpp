@@ -62,7 +62,7 @@ void GlTest::SetUp() {
 }
 
 std::unique_ptr<gl::Renderer> GlTest::makeRenderer(const runtime::Asset& asset, const char* surface,
-                                                   gl::Config config) {
+                                                   gl::RendererOptions config) {
   config.getProcAddress = EglContext::getProcAddress;
   config.surface_glsl = surface;
   if (!config.log) config.log = [](void*, const char* text) { ADD_FAILURE() << text; };

@@ -23,7 +23,7 @@ namespace kelp::test {
 
 using Pixel = std::array<std::uint8_t, 4>;
 
-// Of the framebuffer that is bound: clears colour to zero and depth to 1; reads the colours, rows from bottom
+// Of the framebuffer that is bound: clears color to zero and depth to 1; reads the colors, rows from bottom
 // to top.
 void clearBound();
 std::vector<Pixel> readBound(const glm::ivec2& size);
@@ -65,7 +65,7 @@ class GlTest : public testing::TestWithParam<GlApi> {
   void SetUp() override;
   // A renderer with the asset on the GPU. Fails the test if that cannot be had.
   std::unique_ptr<gl::Renderer> makeRenderer(const runtime::Asset& asset, const char* surface = nullptr,
-                                             gl::Config config = {});
+                                             gl::RendererOptions config = {});
   bool desktop() const { return !isEs(GetParam()); }
 
   std::optional<EglContext> context_;
@@ -101,7 +101,7 @@ inline gl::View orthographic(const Canvas& canvas, const glm::vec3& eye, const g
   return orthographic(canvas.size(), eye, target, half_height, near, far);
 }
 
-// The ray through the centre of a pixel, from the near to the far plane: t = 0 .. 1.
+// The ray through the center of a pixel, from the near to the far plane: t = 0 .. 1.
 runtime::Ray pixelRay(const gl::View& view, int x, int y);
 
 }  // namespace kelp::test

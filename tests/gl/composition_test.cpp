@@ -369,7 +369,7 @@ TEST_P(CompositionTest, AShadowMapReachesTheVoxels) {
   for (int i = 0; i < 160 * 120; ++i) {
     const auto hit = raycast(instance_, pixelRay(view, i % 160, i / 160));
     if (!hit || pixels[static_cast<std::size_t>(i)][3] == 0) continue;
-    // The bias of 0.01 is of a range of 2 metres.
+    // The bias of 0.01 is of a range of 2 meters.
     const bool shaded = raycast(instance_, {hit->position + 0.02f * sun, sun}).has_value();
     shaded ? ++dark : ++lit;
     wrong += (pixels[static_cast<std::size_t>(i)][0] > 127) == shaded;

@@ -24,7 +24,7 @@ class Host {
     if (!context_) return;
     WatchedGl::enterGlThread();
     canvas_.emplace(kPixels);
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = WatchedGl::getProcAddress;
     config.surface_glsl = kVoxelSurface;
     auto created = gl::Renderer::create(config);
@@ -182,8 +182,8 @@ TEST_F(ContextsTest, TwoThreadsDrawWhileOthersPump) {
 
 class LifeTest : public GlTest {
  protected:
-  static gl::Config watchedConfig() {
-    gl::Config config;
+  static gl::RendererOptions watchedConfig() {
+    gl::RendererOptions config;
     config.getProcAddress = WatchedGl::getProcAddress;
     config.surface_glsl = kVoxelSurface;
     return config;
@@ -228,7 +228,7 @@ TEST_P(LifeTest, DestroyingFreesEveryObject) {
 
 TEST_P(LifeTest, ARefusedCreateFreesEveryObject) {
   const auto before = objects();
-  gl::Config config = watchedConfig();
+  gl::RendererOptions config = watchedConfig();
   // does not compile; does not link
   for (const char* surface : {"nonsense", "vec4 kelpSurface(KelpSurface s);\n"}) {
     config.surface_glsl = surface;
@@ -282,7 +282,7 @@ TEST_P(LifeTest, AViewportWithoutPixelsDrawsNothingAndIsNoError) {
     gl::View view = view_;
     view.camera.viewport = size;
     view.camera.eye_to_clip = glm::mat4(std::nanf(""));  // the aspect ratio is 0 / 0
-    for (const gl::Pass pass : {gl::Pass::kColour, gl::Pass::kDepth, gl::Pass::kFog}) {
+    for (const gl::Pass pass : {gl::Pass::kColor, gl::Pass::kDepth, gl::Pass::kFog}) {
       const auto drawn = (*created)->draw(view, {&instance_, 1}, pass);
       ASSERT_TRUE(drawn) << drawn.error().detail;
       EXPECT_EQ(drawn->draws, 0u);
@@ -292,7 +292,7 @@ TEST_P(LifeTest, AViewportWithoutPixelsDrawsNothingAndIsNoError) {
   negative.camera.viewport.x = -80;
   EXPECT_EQ((*created)->draw(negative, {&instance_, 1}).error().code, ErrorCode::kMisuse);
   EXPECT_EQ(WatchedGl::calls(), calls);
-  glViewport(0, 0, 0, 0);  // the window was minimised, and the view does not know
+  glViewport(0, 0, 0, 0);  // the window was minimized, and the view does not know
   EXPECT_TRUE((*created)->draw(view_, {&instance_, 1}));
   for (const Pixel& pixel : canvas.pixels()) ASSERT_EQ(pixel, Pixel{});
   EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});

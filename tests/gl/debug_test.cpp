@@ -53,7 +53,7 @@ class DebugTest : public testing::TestWithParam<GlApi> {
   // looks, instances near and far.
   void live(const char* surface, gl::State state) {
     const Canvas canvas({80, 60});
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
     config.surface_glsl = surface;
     config.state = state;
@@ -71,7 +71,7 @@ class DebugTest : public testing::TestWithParam<GlApi> {
     gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
     view.quality.pixels_per_voxel = 1;
     const auto frame = [&](std::size_t count) {
-      for (const gl::Pass pass : {gl::Pass::kDepth, gl::Pass::kColour}) {
+      for (const gl::Pass pass : {gl::Pass::kDepth, gl::Pass::kColor}) {
         for (const gl::Shading shading :
              {gl::Shading::kGradient, gl::Shading::kFaces, gl::Shading::kSmooth}) {
           view.quality.shading = shading;
@@ -115,7 +115,7 @@ TEST_P(DebugTest, NothingIsComplainedOf) {
 
 // What a frame's capture shows of kelp: every object by its name, every call within a group.
 TEST_P(DebugTest, ObjectsHaveLabels) {
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
   const Canvas canvas({80, 60});
   // Objects of each kind that are there now, without their labels.

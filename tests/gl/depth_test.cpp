@@ -49,13 +49,13 @@ class DepthTest : public GlTest {
   const fields::Occupancy volume_ = ballClump({192, 187, 146}, 40, 6);
   const LoadedAsset loaded_{packOf(volume_)};
   const reference::Volume truth_{volume_.size, volume_.solid, 1.0, volume_.size};
-  const double voxel_ = 1.0 / volume_.size.y;  // metres
+  const double voxel_ = 1.0 / volume_.size.y;  // meters
 
   // Six views of what `box` holds. Near and far are as close as the box allows, so that the buffer's own
   // steps are small.
   std::vector<NamedView> viewsOf(const Instance& instance) const {
     const Box box = bounds(instance);
-    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    const glm::vec3 center = 0.5f * (box.min + box.max);
     const float reach = glm::distance(box.min, box.max);
     const auto voxels = [&](double n) { return static_cast<float>(n * voxel_); };
     const auto view = [&](const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up,
@@ -75,11 +75,11 @@ class DepthTest : public GlTest {
     const float distance = voxels(1e4);
     const float narrow = 2 * std::atan(0.35f * reach / distance);
     return {
-        {"perspective", view(centre + reach * towards, centre, y,
+        {"perspective", view(center + reach * towards, center, y,
                              glm::perspective(0.8f, aspect, 0.4f * reach, 1.6f * reach))},
         {"inside the box",
          view(middle, voxelToWorld(instance, 0, size * glm::vec3(0.8f, 0.45f, 0.4f)), y, inside)},
-        {"along the spline", view(centre + glm::vec3(0, 1.2f * reach, 0), centre, {0, 0, 1},
+        {"along the spline", view(center + glm::vec3(0, 1.2f * reach, 0), center, {0, 0, 1},
                                   glm::perspective(0.7f, aspect, 0.6f * reach, 1.8f * reach))},
         // Half a height that puts no row of pixels exactly between two layers of voxels, where either would
         // be right.
@@ -87,7 +87,7 @@ class DepthTest : public GlTest {
          view(middle + glm::vec3(0, 0, reach), middle, y,
               glm::ortho(-0.7123f * aspect, 0.7123f * aspect, -0.7123f, 0.7123f, 0.0f, 2 * reach))},
         {"1e4 voxels away",
-         view(centre + distance * towards, centre, y,
+         view(center + distance * towards, center, y,
               glm::perspective(narrow, aspect, distance - 0.6f * reach, distance + 0.6f * reach))},
         {"close up", view(voxelToWorld(instance, 0, size * glm::vec3(0.5f, 0.6f, 1.2f)), middle, y,
                           glm::perspective(0.9f, aspect, voxels(4), reach))},
@@ -106,7 +106,7 @@ class DepthTest : public GlTest {
     const std::vector<float> depths = canvas.depths();
     const glm::dmat4 to_part =
         glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye) *
-                     glm::dmat4(partToWorld(instance, 0)));
+                     glm::dmat4(partToWorld(instance, 0).value()));
     Tally tally;
     for (int row = 0; row < kPixels.y; ++row) {
       for (int column = 0; column < kPixels.x; ++column) {

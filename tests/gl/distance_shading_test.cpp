@@ -26,9 +26,9 @@ runtime::Options loadDistances(int level = 0) {
   options.distance_level = level;
   return options;
 }
-gl::Config withDistances() {
-  gl::Config config;
-  config.distances = true;
+gl::RendererOptions withDistances() {
+  gl::RendererOptions config;
+  config.features = gl::Features::kDistances;
   return config;
 }
 
@@ -70,9 +70,9 @@ struct Clump {
     EXPECT_TRUE(pose.setKnots(0, figureKnots(figure)));
     instance.to_world = glm::rotate(glm::scale(glm::mat4(1), glm::vec3(1.5f)), 0.7f, glm::vec3(0, 1, 0));
     const Box box = bounds(instance);
-    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    const glm::vec3 center = 0.5f * (box.min + box.max);
     view =
-        lookAt(canvas, centre + 0.7f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
+        lookAt(canvas, center + 0.7f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), center);
     view.light.sun_direction = {0.1f, 0.9f, 0.3f};
     view.quality.occlusion_reach = kReach;
   }
@@ -213,8 +213,8 @@ TEST_P(DistanceShadingTest, WithoutDistancesNothingIsOccludedAndWithoutAWishNoth
   view.quality.soft_shadows = 21;
   EXPECT_EQ(renderer->draw(view, {&instance, 1}).error().code, ErrorCode::kMisuse);
   // The pool holds them, and gives them back.
-  EXPECT_GT(gl::poolBytes(*with.asset, true), gl::poolBytes(*with.asset));
-  EXPECT_EQ(gl::poolBytes(*without.asset, true), gl::poolBytes(*without.asset));
+  EXPECT_GT(gl::poolBytes(*with.asset, gl::Features::kDistances), gl::poolBytes(*with.asset));
+  EXPECT_EQ(gl::poolBytes(*without.asset, gl::Features::kDistances), gl::poolBytes(*without.asset));
 }
 
 // At points of planes through and beside a bent clump: against brute force over cubes in double precision.
@@ -269,7 +269,7 @@ TEST_P(DistanceShadingTest, KelpDistanceIsThatToTheVoxels) {
     glDisable(GL_DEPTH_TEST);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     const std::vector<Pixel> pixels = canvas.pixels();
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0)));
+    const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0).value()));
     int near = 0, inside = 0;
     double worst = 0;
     std::vector<double> shares;

@@ -14,7 +14,7 @@ namespace kelp::test {
 
 using runtime::Instance;
 
-// Colours that are not rounded. Desktop OpenGL draws into and blends them; of ES it is more than 3.0
+// Colors that are not rounded. Desktop OpenGL draws into and blends them; of ES it is more than 3.0
 // promises.
 class FloatCanvas {
  public:
@@ -81,7 +81,7 @@ struct PartRay {
 // A pixel's, where it is in the bounds.
 inline PartRay partRay(const gl::View& view, const Instance& instance, const Box& bounds, int x, int y) {
   const runtime::Ray ray = pixelRay(view, x, y);
-  const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0)));
+  const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0).value()));
   const glm::dvec3 o(to_part * glm::dvec4(ray.origin, 1)), d(to_part * glm::dvec4(ray.direction, 0));
   PartRay out{o, d / glm::length(d), 0, glm::length(d)};
   for (int axis = 0; axis < 3; ++axis) {
@@ -113,7 +113,7 @@ inline void expectCoarserUntilLoaded(gl::Renderer& all, runtime::Asset& asset) {
     for (const glm::vec4& pixel : picture) sum -= std::log(1 - std::min(double{pixel.a}, 0.9999));
     return sum;
   };
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
   const auto slow = gl::Renderer::create(config);
   ASSERT_TRUE(slow && (*slow)->add(asset));

@@ -146,7 +146,7 @@ TEST_P(Fog, EndsAtTheDepthSoFarFarAway) {
       wall(packOf({glm::ivec3(40, 56, 4), std::vector<std::uint8_t>(40 * 56 * 4, 1)}));
   const auto renderer = makeRenderer(*fog.asset);
   ASSERT_TRUE(renderer && renderer->add(*wall.asset) && renderer->upload(~std::uint64_t{0}));
-  constexpr float kSide = 20;  // metres
+  constexpr float kSide = 20;  // meters
   for (const bool reversed : {false, true}) {
     gl::View view = dark(lookAt(canvas.size(), {0, 0.5f * kSide, 100}, {0, 0.5f * kSide, 0}, 0.1f, 1000.0f));
     view.camera.reversed_depth = reversed;
@@ -221,8 +221,8 @@ TEST_P(Fog, IsTheSameInBothApis) {
   const Canvas canvas({40, 48});
   const LoadedAsset loaded(
       fogPack(fogOf(kFogSize, puffs, [](const glm::dvec3& p) { return puffs(p) * p.x; }), 0.1f));
-  gl::Config config;
-  config.secondary_rays = true;
+  gl::RendererOptions config;
+  config.features = gl::Features::kSecondaryRays;
   const auto renderer = makeRenderer(*loaded.asset, nullptr, config);
   ASSERT_TRUE(renderer);
   const Instance instance{loaded.asset.get(), nullptr};

@@ -97,7 +97,7 @@ glm::dvec3 worldOf(const Instance& instance, int part, const glm::dvec3& rest) {
         makeArcs(instance.pose ? instance.pose->knots(part) : of.knots, of.size, roll, kArcTolerance, chain));
     int arc = 0;
     while (arc + 1 < chain.count && rest.y > double{chain.joints[arc + 1].y}) ++arc;
-    return glm::dvec3(glm::dmat4(partToWorld(instance, part)) *
+    return glm::dvec3(glm::dmat4(partToWorld(instance, part).value()) *
                       glm::dvec4(reference::swept(chain.arcs[arc], of.size, rest), 1));
   }
   const std::vector<Knot> knots =
@@ -116,7 +116,8 @@ glm::dvec3 worldOf(const Instance& instance, int part, const glm::dvec3& rest) {
   double from = 0, to = 1;
   for (int step = 0; step < 60; ++step) (spline(0.5 * (from + to)).y < y ? from : to) = 0.5 * (from + to);
   const glm::dvec3 s = spline(0.5 * (from + to));
-  return glm::dvec3(glm::dmat4(partToWorld(instance, part)) * glm::dvec4(rest.x + s.x, y, rest.z + s.z, 1));
+  return glm::dvec3(glm::dmat4(partToWorld(instance, part).value()) *
+                    glm::dvec4(rest.x + s.x, y, rest.z + s.z, 1));
 }
 
 class GbufferTest : public GlTest {

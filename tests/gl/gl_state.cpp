@@ -54,7 +54,7 @@ constexpr Scalar kScalars[] = {
     KELP_SCALAR(GL_DEPTH_CLAMP, As::kSwitch, 1, 33, 0),
     KELP_SCALAR(GL_CLIP_ORIGIN, As::kInteger, 1, 45, 0),
     KELP_SCALAR(GL_CLIP_DEPTH_MODE, As::kInteger, 1, 45, 0),
-    // Colouring and rasterization
+    // Coloring and rasterization
     KELP_SCALAR(GL_CLAMP_READ_COLOR, As::kInteger, 1, 33, 0),
     KELP_SCALAR(GL_PROVOKING_VERTEX, As::kInteger, 1, 33, 0),
     KELP_SCALAR(GL_RASTERIZER_DISCARD, As::kSwitch, 1, 33, 30),
@@ -387,7 +387,7 @@ class Reader {
     }
   }
 
-  // A list of parameters in the order of the tables; the border's colour last, where there is one.
+  // A list of parameters in the order of the tables; the border's color last, where there is one.
   template <class Get>
   std::vector<double> parameters(std::span<const Named> names, Get&& get) const {
     std::vector<double> out;

@@ -53,7 +53,7 @@ class HostTraceTest : public GlTest {
     (void)pose_.setKnots(0, knots);
   }
 
-  std::unique_ptr<gl::Renderer> makeBoth(const gl::Config& config = {}) {
+  std::unique_ptr<gl::Renderer> makeBoth(const gl::RendererOptions& config = {}) {
     auto renderer = makeRenderer(*loaded_.asset, nullptr, config);
     EXPECT_TRUE(renderer->add(*swept_.asset));
     EXPECT_TRUE(renderer->upload(~std::uint64_t{0}));
@@ -81,8 +81,8 @@ class HostTraceTest : public GlTest {
 // Primary rays traced by the host look as draw() draws: the same look, shadows and occlusion too.
 TEST_P(HostTraceTest, PrimaryRaysGiveThePictureThatIsDrawn) {
   const Canvas canvas({160, 120});
-  gl::Config config;
-  config.secondary_rays = true;
+  gl::RendererOptions config;
+  config.features = gl::Features::kSecondaryRays;
   const auto renderer = makeBoth(config);
   const GLuint program =
       makeTracer(GetParam(), *renderer, kScreen,
@@ -281,7 +281,7 @@ TEST_P(HostTraceTest, RefusesMisuseAndKeepsTheState) {
   wrong.quality.occlusion_rays = 17;
   EXPECT_TRUE(refused(program, wrong, 4));
   wrong.quality.occlusion_rays = 4;
-  EXPECT_TRUE(refused(program, wrong, 4));  // without Config::secondary_rays
+  EXPECT_TRUE(refused(program, wrong, 4));  // without RendererOptions::secondary_rays
   wrong.quality.occlusion_rays = 0;
   wrong.quality.occlusion_reach = 0;
   EXPECT_TRUE(refused(program, wrong, 4));

@@ -20,7 +20,7 @@ namespace {
 using runtime::Instance;
 using runtime::Pose;
 
-// Instance, part and level into the colour, so that pictures differ where anything else is drawn.
+// Instance, part and level into the color, so that pictures differ where anything else is drawn.
 constexpr char kWhoSurface[] =
     "vec4 kelpSurface(KelpSurface s) { return vec4(float(s.color.r * 255.0 + 0.5), float(s.voxel.x + 16 * "
     "s.voxel.z), float(s.voxel.y), 255.0 - float(s.level)) / 255.0; }\n";
@@ -57,7 +57,7 @@ class InstancingTest : public GlTest {
       instances_.push_back(instance);
     }
   }
-  std::unique_ptr<gl::Renderer> makeBoth(gl::Config config = {}) {
+  std::unique_ptr<gl::Renderer> makeBoth(gl::RendererOptions config = {}) {
     auto renderer = makeRenderer(*one_.asset, kWhoSurface, config);
     EXPECT_TRUE(renderer->add(*two_.asset));
     EXPECT_TRUE(renderer->upload(~std::uint64_t{0}));
@@ -288,7 +288,7 @@ TEST_P(InstancingTest, OnlyWhatCoversNoPixelIsCulled) {
 TEST_P(InstancingTest, SmallInstancesAreCulledBySize) {
   const Canvas canvas({100, 100});
   const auto renderer = makeBoth();
-  gl::View view = orthographic(canvas, {0, 0, 5}, {0, 0, 0}, 1.0f);  // 50 pixels a metre
+  gl::View view = orthographic(canvas, {0, 0, 5}, {0, 0, 0}, 1.0f);  // 50 pixels a meter
   int left_out = 0, drawn_parts = 0;
   for (float scale = 0.001f; scale < 1; scale *= 1.3f) {
     for (const float least : {0.0f, 0.5f, 3.0f}) {
@@ -297,7 +297,7 @@ TEST_P(InstancingTest, SmallInstancesAreCulledBySize) {
       view.quality.smallest_pixels = least;
       const auto stats = renderer->draw(view, {&instance, 1});
       ASSERT_TRUE(stats);
-      const float side = 50 * scale;  // the asset is a metre high
+      const float side = 50 * scale;  // the asset is a meter high
       if (side < 0.95f * least) {
         EXPECT_EQ(stats->culled, 1u) << scale;
       } else if (side > 1.05f * least) {
@@ -381,7 +381,7 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
     pack.parts[0].bend = Bend::kSweep;
     const LoadedAsset one(pack);
     const LoadedAsset two(packOfTwoParts());
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = FakeGl::getProcAddress;
     const auto renderer = gl::Renderer::create(config);
     ASSERT_TRUE(renderer);
@@ -408,9 +408,9 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
                                              glm::vec3(0), glm::vec3(0, 1, 0));
       const glm::mat4 before = view.camera.eye_to_clip * view.camera.world_to_eye;
       view.camera.previous_world_to_clip = n % 2 ? &before : nullptr;
-      const auto colour = (*renderer)->draw(view, some);
-      EXPECT_TRUE(colour && (*renderer)->draw(view, some, gl::Pass::kDepth) && (*renderer)->upload(100'000));
-      return colour ? colour->draws : 0;
+      const auto color = (*renderer)->draw(view, some);
+      EXPECT_TRUE(color && (*renderer)->draw(view, some, gl::Pass::kDepth) && (*renderer)->upload(100'000));
+      return color ? color->draws : 0;
     };
     // Spans and views come again after 628 frames, so the largest are among them.
     for (int n = 0; n < 640; ++n) frame(n);
@@ -432,7 +432,7 @@ TEST(InstancingMemoryTest, SweptPartsFartherAwayTakeFewerArcs) {
   FakeGl::current() = &fake;
   const fields::Occupancy column = ballClump({24, 90, 20}, 14, 3);
   const LoadedAsset loaded(sweptPackOf(column, 5));  // an S
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = FakeGl::getProcAddress;
   const auto renderer = gl::Renderer::create(config);
   ASSERT_TRUE(renderer && (*renderer)->add(*loaded.asset) && (*renderer)->upload(~std::uint64_t{0}));

@@ -21,9 +21,9 @@ using runtime::Pose;
 class LeftOutTest : public GlTest {
  protected:
   static inline std::vector<std::string> said;
-  static gl::Config logged() {
+  static gl::RendererOptions logged() {
     said.clear();
-    gl::Config config;
+    gl::RendererOptions config;
     config.log = [](void*, const char* text) { said.push_back(text); };
     return config;
   }
@@ -123,7 +123,7 @@ TEST_P(LeftOutTest, ABadPartLeavesOutThePartsOfTheOtherKind) {
       ASSERT_TRUE(pose.move(bad, 1, {0, -2, 0}));
     }
     const Instance instance{loaded.asset.get(), &pose};
-    for (const gl::Pass pass : {gl::Pass::kColour, gl::Pass::kFog}) {
+    for (const gl::Pass pass : {gl::Pass::kColor, gl::Pass::kFog}) {
       canvas.clear();
       const auto drawn = renderer->draw(view, {&instance, 1}, pass);
       ASSERT_TRUE(drawn) << drawn.error().detail;
@@ -133,7 +133,7 @@ TEST_P(LeftOutTest, ABadPartLeavesOutThePartsOfTheOtherKind) {
   }
 }
 
-TEST_P(LeftOutTest, InstancesHaveColoursOfTheirOwn) {
+TEST_P(LeftOutTest, InstancesHaveColorsOfTheirOwn) {
   const Canvas canvas({90, 60});
   const LoadedAsset loaded(packOf(ballClump({24, 32, 20}, 12, 3)));
   const auto renderer = makeRenderer(
@@ -142,10 +142,10 @@ TEST_P(LeftOutTest, InstancesHaveColoursOfTheirOwn) {
   const auto entries = loaded.asset->pack().palette().size();
   std::vector<Instance> instances(3);
   std::vector<std::vector<Material>> palettes;
-  const glm::vec4 colours[] = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 0, 1}};
+  const glm::vec4 colors[] = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 0, 1}};
   for (int i = 0; i < 3; ++i) {
     Material material;
-    material.base_color = colours[i];
+    material.base_color = colors[i];
     if (i == 2) material.emissive = {0, 0, 1};
     palettes.emplace_back(entries, material);
   }
@@ -172,7 +172,7 @@ TEST_P(LeftOutTest, InstancesHaveColoursOfTheirOwn) {
     }
   }
   for (const int count : counts) EXPECT_GT(count, 40);
-  // The pack's own colours come back.
+  // The pack's own colors come back.
   for (Instance& instance : instances) instance.palette = {};
   canvas.clear();
   ASSERT_TRUE(renderer->draw(view, instances));

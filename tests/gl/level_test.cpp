@@ -85,7 +85,7 @@ TEST_P(LevelTest, EveryPixelsLevelAgreesWithTheCpu) {
     int different = 0;
     for (int y = 0; y < 120; ++y) {
       for (int x = 0; x < 160; ++x) {
-        const int level = gl::levelAt(view, instance_, 0, {x, y});
+        const int level = gl::levelAt(view, instance_, 0, {x, y}).value();
         const auto hit = raycast(instance_, pixelRay(view, x, y), level);
         const Pixel& pixel = pixels[static_cast<std::size_t>(160 * y + x)];
         hits += hit.has_value();
@@ -97,11 +97,12 @@ TEST_P(LevelTest, EveryPixelsLevelAgreesWithTheCpu) {
     EXPECT_GT(hits, 1000);
     EXPECT_LE(different, hits / 200) << pixels_per_voxel;
   }
-  EXPECT_EQ(gl::levelAt(lookAt(canvas, {1.1f, 1.2f, 1.8f}, {0, 0.5f, 0}), instance_, 3, {0, 0}), -1);
-  EXPECT_EQ(gl::levelAt(gl::View{}, Instance{}, 0, {0, 0}), -1);
+  EXPECT_EQ(gl::levelAt(lookAt(canvas, {1.1f, 1.2f, 1.8f}, {0, 0.5f, 0}), instance_, 3, {0, 0}),
+            std::nullopt);
+  EXPECT_EQ(gl::levelAt(gl::View{}, Instance{}, 0, {0, 0}), std::nullopt);
   gl::View negative = lookAt(canvas, {1.1f, 1.2f, 1.8f}, {0, 0.5f, 0});
   negative.quality.finest_level = -1;
-  EXPECT_EQ(gl::levelAt(negative, instance_, 0, {0, 0}), -1);
+  EXPECT_EQ(gl::levelAt(negative, instance_, 0, {0, 0}), std::nullopt);
 }
 
 // The arcs of coarser levels are coarser, by half a voxel as drawn, which here is at most two pixels. So what
@@ -113,10 +114,10 @@ TEST_P(LevelTest, CoarserArcsMoveNothingFar) {
     const Instance instance{swept.asset.get()};
     const auto renderer = makeRenderer(*swept.asset, kVoxelSurface);
     const Box box = bounds(instance);
-    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    const glm::vec3 center = 0.5f * (box.min + box.max);
     for (const float pixels_per_voxel : {2.0f, 4.0f}) {
       gl::View view = lookAt(
-          canvas, centre + 1.5f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.3f, 0.8f), centre);
+          canvas, center + 1.5f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.3f, 0.8f), center);
       view.quality.pixels_per_voxel = pixels_per_voxel;
       canvas.clear();
       ASSERT_TRUE(renderer->draw(view, {&instance, 1}));
@@ -125,7 +126,7 @@ TEST_P(LevelTest, CoarserArcsMoveNothingFar) {
       std::vector<std::optional<glm::ivec3>> truth(kWide * kHigh);
       int hits = 0, least = kMaxLevels, different = 0, wrong = 0;
       for (int i = 0; i < kWide * kHigh; ++i) {
-        const int level = gl::levelAt(view, instance, 0, {i % kWide, i / kWide});
+        const int level = gl::levelAt(view, instance, 0, {i % kWide, i / kWide}).value();
         const auto hit = raycast(instance, pixelRay(view, i % kWide, i / kWide), level);
         least = std::min(least, level);
         if (hit) truth[static_cast<std::size_t>(i)] = hit->voxel << hit->level;

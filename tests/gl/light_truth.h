@@ -126,8 +126,8 @@ class LightSurfaces {
       : instance_(instance),
         view_(view),
         picture_(picture),
-        truth_(volume, instance.pose->knots(0), runtime::partToWorld(instance, 0)),
-        voxel_(glm::length(glm::dvec3(runtime::partToWorld(instance, 0)[0]))),
+        truth_(volume, instance.pose->knots(0), runtime::partToWorld(instance, 0).value()),
+        voxel_(glm::length(glm::dvec3(runtime::partToWorld(instance, 0).value()[0]))),
         reach_(double{kReach} * std::max({volume.size.x, volume.size.y, volume.size.z}) * voxel_),
         towards_(glm::normalize(glm::dvec3(view.light.sun_direction))) {}
 

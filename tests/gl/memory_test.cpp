@@ -45,8 +45,8 @@ struct Counter {
 class MemoryTest : public testing::Test {
  protected:
   void SetUp() override { FakeGl::current() = &fake_; }
-  gl::Config config() {
-    gl::Config out;
+  gl::RendererOptions config() {
+    gl::RendererOptions out;
     out.getProcAddress = FakeGl::getProcAddress;
     out.allocator = counter_.allocator();
     return out;
@@ -140,7 +140,7 @@ TEST_F(MemoryTest, TheGpusMemoryMayBeShort) {
 }
 
 TEST_F(MemoryTest, BudgetsAreBounded) {
-  gl::Config small = config();
+  gl::RendererOptions small = config();
   for (const std::uint64_t bytes : {std::uint64_t{0}, std::uint64_t{1}, (std::uint64_t{256} << 10) - 1}) {
     small.gpu_budget = bytes;
     const auto refused = gl::Renderer::create(small);

@@ -165,7 +165,7 @@ TEST(MissingBricks, ARayMeetsWhatTheFinestResidentBricksSay) {
       const Asset& asset = *patchy.asset;
       const std::vector<fields::Occupancy> pyramid = pyramidOf(c.volume, asset.pack().parts()[0].levels);
       const Instance instance{&asset};
-      const glm::dmat4 to_part = glm::inverse(glm::dmat4(partToWorld(instance, 0)));
+      const glm::dmat4 to_part = glm::inverse(glm::dmat4(partToWorld(instance, 0).value()));
       for (const int wanted : {0, 1}) {
         const fields::Occupancy seen = composite(asset, pyramid, wanted);
         const reference::Volume truth{seen.size, seen.solid, 1.0, seen.size};
@@ -212,7 +212,7 @@ TEST_P(MissingBricksTest, ThePictureFallsBackAsTheCpuDoes) {
     for (unsigned trial = 0; trial < kTrials; ++trial) {
       const Patchy patchy(bytesFor(c, trial), 100 + trial, 20 + 12 * static_cast<int>(trial % 6));
       const Asset& asset = *patchy.asset;
-      gl::Config config;
+      gl::RendererOptions config;
       config.surface_glsl = kVoxelSurface;
       config.gpu_budget = 16 << 20;
       const auto renderer = createRenderer(config);
@@ -227,7 +227,7 @@ TEST_P(MissingBricksTest, ThePictureFallsBackAsTheCpuDoes) {
       const std::vector<Pixel> pixels = canvas.pixels();
       for (int y = 0; y < 72; ++y) {
         for (int x = 0; x < 96; ++x) {
-          const int wanted = gl::levelAt(view, instance, 0, {x, y});
+          const int wanted = gl::levelAt(view, instance, 0, {x, y}).value();
           const auto hit = raycast(instance, pixelRay(view, x, y), wanted);
           const Pixel& pixel = pixels[static_cast<std::size_t>(96 * y + x)];
           hits += hit.has_value();

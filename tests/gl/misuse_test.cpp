@@ -19,8 +19,8 @@ class MisuseTest : public GlTest {
              {{0, {0, 0, 0}, {0, 1, 0}}, {0.5f, {0, 0.5f, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}})};
   const Instance instance_{loaded_.asset.get(), nullptr};
 
-  static gl::Config quiet() {
-    gl::Config config;
+  static gl::RendererOptions quiet() {
+    gl::RendererOptions config;
     config.log = [](void*, const char*) {};
     return config;
   }
@@ -213,12 +213,12 @@ TEST_P(MisuseTest, OfViews) {
 TEST_P(MisuseTest, OfShadingsThatAreLeftOut) {
   const Canvas canvas({80, 60});
   gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
-  gl::Config config = quiet();
+  gl::RendererOptions config = quiet();
   const auto whole = makeRenderer(*loaded_.asset, nullptr, config);
   canvas.clear();
   ASSERT_TRUE(whole->draw(view, {&instance_, 1}));
   const std::vector<Pixel> expected = canvas.pixels();
-  config.gradient_only = true;
+  config.features = gl::Features::kGradientOnly;
   const auto smaller = makeRenderer(*loaded_.asset, nullptr, config);
   canvas.clear();
   ASSERT_TRUE(smaller->draw(view, {&instance_, 1}));
@@ -238,10 +238,10 @@ TEST_P(MisuseTest, OfTheRenderer) {
   EXPECT_EQ(renderer->add(*loaded_.asset).error().code, ErrorCode::kMisuse);
   renderer->remove(*other_.asset);  // unknown: nothing happens
   EXPECT_EQ(gl::Renderer::create({}).error().code, ErrorCode::kMisuse);
-  gl::Config nothing;
+  gl::RendererOptions nothing;
   nothing.getProcAddress = [](void*, const char*) -> void* { return nullptr; };
   EXPECT_EQ(gl::Renderer::create(nothing).error().code, ErrorCode::kGraphics);
-  gl::Config partial;
+  gl::RendererOptions partial;
   partial.getProcAddress = [](void* user, const char* name) {
     return std::string(name) == "glDrawArraysInstanced" ? nullptr : EglContext::getProcAddress(user, name);
   };
@@ -255,7 +255,7 @@ TEST_P(MisuseTest, OfTheRenderer) {
 
 TEST_P(MisuseTest, NoContextIsAnError) {
   context_.reset();
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
   const auto created = gl::Renderer::create(config);
   ASSERT_FALSE(created);
@@ -265,7 +265,7 @@ TEST_P(MisuseTest, NoContextIsAnError) {
 TEST_P(MisuseTest, ASurfaceThatDoesNotCompileIsExplained) {
   static std::string said;
   said.clear();
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
   config.log = [](void*, const char* text) { said = text; };
   config.surface_glsl = "vec4 kelpSurface(KelpSurface s) {\n  return s.nonsense;\n}\n";

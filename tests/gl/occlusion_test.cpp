@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Voxels and the host's triangles hide each other; the depth pass writes what the colour pass writes.
+// Voxels and the host's triangles hide each other; the depth pass writes what the color pass writes.
 #include <cmath>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -11,7 +11,7 @@ namespace {
 
 using runtime::Instance;
 
-// Draws a square in the world's plane z = depth, in one colour, with an ordinary program.
+// Draws a square in the world's plane z = depth, in one color, with an ordinary program.
 class Square {
  public:
   explicit Square(bool es) {
@@ -90,7 +90,7 @@ TEST_P(OcclusionTest, TrianglesAndVoxelsHideEachOther) {
   }
 }
 
-TEST_P(OcclusionTest, TheDepthPassWritesTheColourPassesDepthAndNoColour) {
+TEST_P(OcclusionTest, TheDepthPassWritesTheColorPassesDepthAndNoColor) {
   const Canvas canvas({160, 120});
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
   const gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});

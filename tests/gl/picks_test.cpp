@@ -30,12 +30,13 @@ class PicksTest : public GlTest {
       std::optional<Hit> nearest;
       double voxel = 0;
       for (const Instance& instance : instances) {
-        const int level = gl::levelAt(view, instance, 0, at);
+        const int level = gl::levelAt(view, instance, 0, at).value();
         const auto hit = raycast(instance, ray, level);
         if (!hit) continue;
         nearest = hit;
         ray.t_max = hit->t;
-        voxel = std::ldexp(double{glm::length(glm::vec3(runtime::partToWorld(instance, 0)[0]))}, hit->level);
+        voxel = std::ldexp(double{glm::length(glm::vec3(runtime::partToWorld(instance, 0).value()[0]))},
+                           hit->level);
       }
       const float depth = depths[static_cast<std::size_t>(at.x + canvas.size().x * at.y)];
       hits += nearest.has_value();
@@ -62,7 +63,7 @@ class PicksTest : public GlTest {
 TEST_P(PicksTest, AreWhatIsSeen) {
   std::vector<std::unique_ptr<HostSource>> sources;
   std::vector<std::unique_ptr<runtime::Asset>> assets;
-  gl::Config config;
+  gl::RendererOptions config;
   config.gpu_budget = 64 << 20;
   const auto renderer = createRenderer(config);
   const RawPack packs[] = {packOf(reed(160, 1)), packOf(ballClump({70, 90, 60}, 40, 2)),

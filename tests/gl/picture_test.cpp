@@ -94,9 +94,9 @@ TEST_P(PictureTest, AgreesWithTheCpuInEveryPoseOfFigure6) {
     take(figure);
     const Instance instance{loaded_.asset.get(), &pose_};
     const Box box = bounds(instance);
-    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    const glm::vec3 center = 0.5f * (box.min + box.max);
     const float reach = glm::distance(box.min, box.max);
-    const gl::View view = lookAt(canvas, centre + reach * glm::vec3(0.5f, 0.3f, 0.8f), centre);
+    const gl::View view = lookAt(canvas, center + reach * glm::vec3(0.5f, 0.3f, 0.8f), center);
     expectAgreement(compare(*renderer, canvas, view, {&instance, 1}), figure.name);
   }
 }
@@ -149,13 +149,13 @@ TEST_P(PictureTest, AgreesWithTheCpuInEverySweptPose) {
     instance.to_world = glm::rotate(glm::mat4(1), 0.4f, glm::vec3(1, 2, 3)) *
                         glm::scale(glm::mat4(1), glm::vec3(-1, 1.2f, 0.8f));
     const Box box = bounds(instance);
-    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    const glm::vec3 center = 0.5f * (box.min + box.max);
     const float reach = glm::distance(box.min, box.max);
-    const gl::View view = lookAt(canvas, centre + reach * glm::vec3(0.5f, 0.3f, 0.8f), centre);
+    const gl::View view = lookAt(canvas, center + reach * glm::vec3(0.5f, 0.3f, 0.8f), center);
     expectAgreement(compare(*renderer, canvas, view, {&instance, 1}), rig.name.c_str());
     expectAgreement(
         compare(*renderer, canvas,
-                orthographic(canvas, centre + reach * glm::vec3(-1, 0.2f, 0.3f), centre, 0.4f * reach),
+                orthographic(canvas, center + reach * glm::vec3(-1, 0.2f, 0.3f), center, 0.4f * reach),
                 {&instance, 1}),
         rig.name.c_str());
     const glm::vec3 eye = voxelToWorld(instance, 0, {18, 64, 16}),
@@ -332,18 +332,18 @@ TEST_P(PictureTest, TheSunLightsTheSideThatFacesIt) {
     canvas.clear();
     ASSERT_TRUE(renderer->draw(view, {&instance, 1}));
     const std::vector<Pixel> pixels = canvas.pixels();
-    glm::vec2 centre(0);
+    glm::vec2 center(0);
     float sum = 0;
     for (int y = 0; y < 80; ++y) {
       for (int x = 0; x < 80; ++x) {
         const Pixel& pixel = pixels[static_cast<std::size_t>(80 * y + x)];
-        centre += static_cast<float>(pixel[0]) * (glm::vec2(x, y) - 39.5f);
+        center += static_cast<float>(pixel[0]) * (glm::vec2(x, y) - 39.5f);
         sum += static_cast<float>(pixel[0]);
       }
     }
-    centre /= sum;
-    EXPECT_GT(glm::dot(centre, glm::vec2(sun)), 3.0f);
-    EXPECT_LT(std::abs(centre.x * sun.y - centre.y * sun.x), 1.0f);
+    center /= sum;
+    EXPECT_GT(glm::dot(center, glm::vec2(sun)), 3.0f);
+    EXPECT_LT(std::abs(center.x * sun.y - center.y * sun.x), 1.0f);
   }
 }
 

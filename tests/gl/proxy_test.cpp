@@ -119,7 +119,7 @@ TEST_P(ProxyTest, ABlockIsDrawnWhereRaysMeetIt) {
     to_world = glm::scale(to_world, glm::vec3(n % 2 ? -1 : 1, 1, 1 + 0.5f * unit(random)));
     const runtime::Instance instance{loaded.asset.get(), nullptr, to_world};
     const Part& part = loaded.asset->pack().parts()[0];
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0)));
+    const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0).value()));
     const float reach = n % 3 == 0 ? 0.2f : n % 3 == 1 ? 0.9f : 4.0f;
     const glm::vec3 target = glm::vec3(0.2f * unit(random), 0.5f + 0.4f * unit(random), 0.2f * unit(random));
     const glm::vec3 eye = target + reach * glm::vec3(unit(random), unit(random), unit(random));

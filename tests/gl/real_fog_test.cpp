@@ -16,7 +16,7 @@ using runtime::Instance;
 
 constexpr glm::ivec2 kViewport(60, 90);
 
-// What a straight look along z hides, and colours that are not rounded.
+// What a straight look along z hides, and colors that are not rounded.
 class RealFog : public testing::Test {
  protected:
   void SetUp() override {
@@ -32,7 +32,7 @@ class RealFog : public testing::Test {
     glViewport(0, 0, kViewport.x, kViewport.y);
   }
   static std::unique_ptr<gl::Renderer> rendererOf(const runtime::Asset& asset) {
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
     auto renderer = gl::Renderer::create(config);
     EXPECT_TRUE(renderer && (*renderer)->add(asset) && (*renderer)->upload(~std::uint64_t{0}));
@@ -105,7 +105,7 @@ TEST_F(RealFog, ThePictureIsTheIntegralAtRestAndBent) {
         lookAt(kViewport, middle + reach * glm::vec3(0.3f, 0.1f, 0.9f), middle, 0.01f * reach, 4 * reach);
     view.quality.pixels_per_voxel = 0;
     const std::vector<glm::vec4> drawn = draw(*renderer, view, instance);
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0)));
+    const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0).value()));
     double worst = 0, converged = 0, hidden = 0;
     for (int y = 1; y < kViewport.y; y += 6) {
       for (int x = 1; x < kViewport.x; x += 6) {

@@ -16,7 +16,7 @@ using runtime::Instance;
 // What is visible of sun and sky, as the view says.
 constexpr char kVisible[] = "vec4 kelpSurface(KelpSurface s) { return vec4(kelpVisible(s), 0.0, 1.0); }\n";
 
-// A volume that is solid where `inside`, at the voxels' centres; normals of the surface are `up`.
+// A volume that is solid where `inside`, at the voxels' centers; normals of the surface are `up`.
 template <class Inside>
 LoadedAsset solid(const glm::ivec3& size, Inside&& inside, const glm::vec3& up) {
   fields::Occupancy volume{
@@ -103,9 +103,9 @@ TEST_P(SelfShadowTest, OcclusionIsTheMeanOfRaysOnTheCpu) {
   const auto renderer = makeRenderer(*loaded.asset, kVisible);
   const Canvas canvas({80, 60});
   const Box box = bounds(instance);
-  const glm::vec3 centre = 0.5f * (box.min + box.max);
+  const glm::vec3 center = 0.5f * (box.min + box.max);
   gl::View view =
-      lookAt(canvas, centre + glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
+      lookAt(canvas, center + glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), center);
   view.quality.occlusion_reach = 0.4f;
   const float voxel = 1.5f / 80, reach = 0.4f * 80 * voxel;
   std::mt19937 random(3);
@@ -158,9 +158,9 @@ TEST_P(SelfShadowTest, ShadowsAreThoseOfRaysOnTheCpu) {
   const auto renderer = makeRenderer(*loaded.asset, kVisible);
   const Canvas canvas({160, 120});
   const Box box = bounds(instance);
-  const glm::vec3 centre = 0.5f * (box.min + box.max);
+  const glm::vec3 center = 0.5f * (box.min + box.max);
   gl::View view =
-      lookAt(canvas, centre + 0.8f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
+      lookAt(canvas, center + 0.8f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), center);
   view.quality.self_shadow = true;
   for (const glm::vec3& sun :
        {glm::normalize(glm::vec3(0.5f, 0.8f, 0.4f)), glm::normalize(glm::vec3(-0.7f, 0.2f, 0.1f))}) {
@@ -193,8 +193,8 @@ TEST_P(SelfShadowTest, ShadowsAreThoseOfRaysOnTheCpu) {
 // Off, which is the default, nothing changes; on, kelp's own look has shadows in it.
 TEST_P(SelfShadowTest, TheDefaultLookHasThemWhenAskedFor) {
   const LoadedAsset loaded(packOf(ballClump({60, 80, 50}, 40, 2)));
-  gl::Config config;
-  config.secondary_rays = true;
+  gl::RendererOptions config;
+  config.features = gl::Features::kSecondaryRays;
   const auto renderer = makeRenderer(*loaded.asset, nullptr, config);
   const auto without = makeRenderer(*loaded.asset);
   const Canvas canvas({80, 60});

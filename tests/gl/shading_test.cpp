@@ -28,7 +28,7 @@ double degreesBetween(const glm::dvec3& a, const glm::dvec3& b) {
   return glm::degrees(std::acos(glm::clamp(glm::dot(glm::normalize(a), glm::normalize(b)), -1.0, 1.0)));
 }
 
-// A solid where `inside` holds at the voxels' centres.
+// A solid where `inside` holds at the voxels' centers.
 template <class Inside>
 fields::Occupancy solidWhere(const glm::ivec3& size, Inside&& inside) {
   fields::Occupancy volume{
@@ -41,7 +41,7 @@ fields::Occupancy solidWhere(const glm::ivec3& size, Inside&& inside) {
   return volume;
 }
 
-// Level 0 alone, palette entry and normal of each surface voxel from `look`(centre).
+// Level 0 alone, palette entry and normal of each surface voxel from `look`(center).
 template <class Look>
 RawPack packWith(const fields::Occupancy& volume, Look&& look) {
   RawPack pack = packOf(volume);
@@ -55,14 +55,14 @@ RawPack packWith(const fields::Occupancy& volume, Look&& look) {
   return pack;
 }
 
-// A ball of 18 voxels across, its normals those of the sphere; half of it in the other colour. Bricks meet in
+// A ball of 18 voxels across, its normals those of the sphere; half of it in the other color. Bricks meet in
 // its middle.
 constexpr float kRadius = 9;
-const glm::vec3 kCentre(12);
+const glm::vec3 kCenter(12);
 RawPack ballPack() {
   const fields::Occupancy ball =
-      solidWhere({24, 24, 24}, [](const glm::vec3& p) { return glm::distance(p, kCentre) < kRadius; });
-  return packWith(ball, [](const glm::vec3& p) { return std::pair(p.x < 12, p - kCentre); });
+      solidWhere({24, 24, 24}, [](const glm::vec3& p) { return glm::distance(p, kCenter) < kRadius; });
+  return packWith(ball, [](const glm::vec3& p) { return std::pair(p.x < 12, p - kCenter); });
 }
 
 // From voxel to voxel in double precision (Amanatides and Woo): the face through which the ray first enters a
@@ -104,7 +104,7 @@ class ShadingTest : public GlTest {
   }
 };
 
-// Voxels of 20 pixels. The truth: the direction from the centre to the point that was hit.
+// Voxels of 20 pixels. The truth: the direction from the center to the point that was hit.
 TEST_P(ShadingTest, SmoothFollowsTheSphereBetweenItsVoxels) {
   const LoadedAsset loaded(ballPack());
   const Canvas canvas({320, 320});
@@ -123,17 +123,17 @@ TEST_P(ShadingTest, SmoothFollowsTheSphereBetweenItsVoxels) {
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i] || smooth[i][3] == 0) continue;
     ++count;
-    const glm::dvec3 truth = restToVoxel(instance, 0, hits[i]->rest) - kCentre;
+    const glm::dvec3 truth = restToVoxel(instance, 0, hits[i]->rest) - kCenter;
     const double error = degreesBetween(normalOf(smooth[i]), truth);
     smooth_sum += error;
     smooth_worst = std::max(smooth_worst, error);
     gradient_sum += degreesBetween(normalOf(gradient[i]), truth);
-    // Neighbours on one piece of surface: no edge between them behind which it goes on elsewhere.
+    // Neighbors on one piece of surface: no edge between them behind which it goes on elsewhere.
     if (i % 320 == 0 || !hits[i - 1] ||
         glm::distance(restToVoxel(instance, 0, hits[i]->rest), restToVoxel(instance, 0, hits[i - 1]->rest)) >
             0.25f)
       continue;
-    const double turn = degreesBetween(truth, restToVoxel(instance, 0, hits[i - 1]->rest) - kCentre);
+    const double turn = degreesBetween(truth, restToVoxel(instance, 0, hits[i - 1]->rest) - kCenter);
     smooth_jump = std::max(smooth_jump, degreesBetween(normalOf(smooth[i]), normalOf(smooth[i - 1])) - turn);
     gradient_jump =
         std::max(gradient_jump, degreesBetween(normalOf(gradient[i]), normalOf(gradient[i - 1])) - turn);
@@ -150,8 +150,8 @@ TEST_P(ShadingTest, SmoothFollowsTheSphereBetweenItsVoxels) {
 // The same field in a coarser level, whose voxels are twice as large.
 TEST_P(ShadingTest, SmoothKnowsTheLevel) {
   const fields::Occupancy ball = solidWhere(
-      {48, 48, 48}, [](const glm::vec3& p) { return glm::distance(p, 2.0f * kCentre) < 2 * kRadius; });
-  const LoadedAsset loaded(packOf(ball));  // normals away from the centre, at every level
+      {48, 48, 48}, [](const glm::vec3& p) { return glm::distance(p, 2.0f * kCenter) < 2 * kRadius; });
+  const LoadedAsset loaded(packOf(ball));  // normals away from the center, at every level
   const Canvas canvas({160, 160});
   const auto renderer = makeRenderer(*loaded.asset, kNormals);
   const Instance instance{loaded.asset.get(), nullptr};
@@ -164,16 +164,16 @@ TEST_P(ShadingTest, SmoothKnowsTheLevel) {
     const auto hit = raycast(instance, pixelRay(view, i % 160, i / 160), 1);
     if (!hit || pixels[static_cast<std::size_t>(i)][3] == 0) continue;
     sum += degreesBetween(normalOf(pixels[static_cast<std::size_t>(i)]),
-                          restToVoxel(instance, 0, hit->rest) - 2.0f * kCentre);
+                          restToVoxel(instance, 0, hit->rest) - 2.0f * kCenter);
     ++count;
   }
   ASSERT_GT(count, 15000);
   EXPECT_LT(sum / count, 1.5);
 }
 
-// Across a straight border between two colours on a flat face the blend is the area under the B-spline on
-// either side: by hand, the integral of a quadratic B-spline at the voxels' centres.
-TEST_P(ShadingTest, SmoothBlendsColoursAcrossTheirBorder) {
+// Across a straight border between two colors on a flat face the blend is the area under the B-spline on
+// either side: by hand, the integral of a quadratic B-spline at the voxels' centers.
+TEST_P(ShadingTest, SmoothBlendsColorsAcrossTheirBorder) {
   const fields::Occupancy block = solidWhere({16, 16, 16}, [](const glm::vec3&) { return true; });
   const LoadedAsset loaded(
       packWith(block, [](const glm::vec3& p) { return std::pair(p.x > 8, glm::vec3(0, 0, 1)); }));
@@ -186,8 +186,8 @@ TEST_P(ShadingTest, SmoothBlendsColoursAcrossTheirBorder) {
   for (int x = 0; x < 160; ++x) {
     const double q = (x + 0.5) / 20 - 4;  // voxels from the border
     double right = 0;
-    for (int centre2 = 1; centre2 < 13; centre2 += 2) {
-      const double d = std::abs(q - 0.5 * centre2);
+    for (int center2 = 1; center2 < 13; center2 += 2) {
+      const double d = std::abs(q - 0.5 * center2);
       right += d < 0.5 ? 0.75 - d * d : d < 1.5 ? 0.5 * (1.5 - d) * (1.5 - d) : 0;
     }
     const glm::dvec3 color = glm::mix(glm::dvec3(0.8, 0.4, 0.1), glm::dvec3(0.1, 0.6, 0.2), right);
@@ -292,9 +292,9 @@ TEST_P(ShadingTest, FacesBendWithTheirCubes) {
     (void)pose.setKnots(0, knots);
     const Instance instance{loaded.asset.get(), &pose};
     const Box box = bounds(instance);
-    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    const glm::vec3 center = 0.5f * (box.min + box.max);
     const gl::View view =
-        lookAt(canvas, centre + 0.8f * glm::distance(box.min, box.max) * glm::vec3(0.4f, 0.3f, 0.9f), centre);
+        lookAt(canvas, center + 0.8f * glm::distance(box.min, box.max) * glm::vec3(0.4f, 0.3f, 0.9f), center);
     const std::vector<Pixel> pixels = draw(*renderer, canvas, view, gl::Shading::kFaces, instance);
     int count = 0, other = 0;
     for (int i = 0; i < 160 * 120; ++i) {
@@ -302,11 +302,11 @@ TEST_P(ShadingTest, FacesBendWithTheirCubes) {
       if (!hit || pixels[static_cast<std::size_t>(i)][3] == 0) continue;
       // The face of the cube that the hit lies in; edges, and the ends of the spline with their infinite
       // slopes, are left out.
-      const glm::vec3 from_centre = restToVoxel(instance, 0, hit->rest) - glm::vec3(hit->voxel) - 0.5f;
+      const glm::vec3 from_center = restToVoxel(instance, 0, hit->rest) - glm::vec3(hit->voxel) - 0.5f;
       int axis = 0;
-      for (int a = 1; a < 3; ++a) axis = std::abs(from_centre[a]) > std::abs(from_centre[axis]) ? a : axis;
+      for (int a = 1; a < 3; ++a) axis = std::abs(from_center[a]) > std::abs(from_center[axis]) ? a : axis;
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-      if (std::max(std::abs(from_centre[u]), std::abs(from_centre[v])) > 0.45f ||
+      if (std::max(std::abs(from_center[u]), std::abs(from_center[v])) > 0.45f ||
           restToVoxel(instance, 0, hit->rest).y < 0.5f || restToVoxel(instance, 0, hit->rest).y > 31.5f)
         continue;
       const auto along = [&](int a) {
@@ -315,7 +315,7 @@ TEST_P(ShadingTest, FacesBendWithTheirCubes) {
         return glm::dvec3(voxelToWorld(instance, 0, restToVoxel(instance, 0, hit->rest) + step)) -
                glm::dvec3(voxelToWorld(instance, 0, restToVoxel(instance, 0, hit->rest) - step));
       };
-      const glm::dvec3 plane = (from_centre[axis] > 0 ? 1.0 : -1.0) * glm::cross(along(u), along(v));
+      const glm::dvec3 plane = (from_center[axis] > 0 ? 1.0 : -1.0) * glm::cross(along(u), along(v));
       ++count;
       other += degreesBetween(normalOf(pixels[static_cast<std::size_t>(i)]), plane) > 2;
     }
@@ -416,7 +416,7 @@ TEST(Shading, IsOneOnDesktopAndEmbedded) {
     const EglContext context(api);
     if (!context) GTEST_SKIP() << "no EGL device gives such a context: install libegl1 libgl1-mesa-dri";
     const Canvas canvas({160, 160});
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
     const auto renderer = gl::Renderer::create(config);
     ASSERT_TRUE(renderer);

@@ -31,9 +31,9 @@ class StateTest : public GlTest {
  protected:
   using After = std::function<void(Call call, const std::string& name)>;
 
-  // Every call there is, `after` each of them. The last colour picture drawn is that of `view`.
+  // Every call there is, `after` each of them. The last color picture drawn is that of `view`.
   void callEverything(gl::State state, const gl::View& view, const After& after) const {
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
     config.surface_glsl = "vec4 kelpSurface(KelpSurface s) { return nonsense; }\n";
     config.state = state;
@@ -176,7 +176,7 @@ TEST_P(StateTest, KLeaveDrawsTheSamePicture) {
   setAwkwardState(Awkward::kDrawable);
   std::vector<Pixel> drawn;
   callEverything(gl::State::kLeave, view, [&](Call call, const std::string& name) {
-    // The depth pass leaves the colour mask off, as it may; the rest is drawn on a canvas with the depth that
+    // The depth pass leaves the color mask off, as it may; the rest is drawn on a canvas with the depth that
     // is there.
     if (call == kDrawDepth) glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR}) << name;
@@ -193,7 +193,7 @@ TEST_P(StateTest, NothingIsRememberedFromDrawToDraw) {
     context_.emplace(GetParam());
     const Canvas canvas({80, 60});
     const gl::View view = viewOf(canvas);
-    gl::Config config;
+    gl::RendererOptions config;
     config.state = state;
     const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface, config);
     ASSERT_TRUE(renderer->draw(view, {&instance_, 1}));
@@ -375,7 +375,7 @@ TEST_P(StateTest, TheHostsOwnErrorIsNotTakenForKelps) {
   glEnable(0xdead);
   EXPECT_TRUE(renderer->upload(~std::uint64_t{0}));
   glEnable(0xdead);
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
   EXPECT_TRUE(gl::Renderer::create(config));
 }
@@ -439,7 +439,7 @@ TEST_P(StateTest, ConditionalRenderingIsObeyed) {
   const Canvas canvas({80, 60});
   const gl::View view = viewOf(canvas);
   const std::vector<Pixel> expected = expectedPicture(canvas, view);
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
   config.surface_glsl = kVoxelSurface;
   GLuint query = 0;

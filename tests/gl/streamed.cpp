@@ -101,7 +101,7 @@ void sway(runtime::Pose& pose, int part, float seconds, float reach) {
       2.0f * reach * glm::vec3(std::sin(2.1f * seconds - 0.4f), 0, std::cos(1.3f * seconds - 0.4f));
 }
 
-std::unique_ptr<gl::Renderer> createRenderer(gl::Config config) {
+std::unique_ptr<gl::Renderer> createRenderer(gl::RendererOptions config) {
   if (!config.getProcAddress) config.getProcAddress = EglContext::getProcAddress;
   config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
   auto renderer = gl::Renderer::create(config);

@@ -44,19 +44,19 @@ fields::Occupancy reed(int height, unsigned seed);
 void sway(runtime::Pose& pose, int part, float seconds, float reach);
 
 // A renderer with nothing added.
-std::unique_ptr<gl::Renderer> createRenderer(gl::Config config = {});
+std::unique_ptr<gl::Renderer> createRenderer(gl::RendererOptions config = {});
 
 // Uploads until nothing is pending; fails the test after `frames`.
 void uploadAll(gl::Renderer& renderer, int frames = 1000);
 
-// Bytes that kelp's glTexSubImage3D calls were given since the program began, if Config::getProcAddress was
-// this.
+// Bytes that kelp's glTexSubImage3D calls were given since the program began, if
+// RendererOptions::getProcAddress was this.
 struct CountedGl {
   static void* getProcAddress(void* user, const char* name);
   static std::uint64_t bytes();
 };
 
-// World position of a pixel's centre at a depth in 0 .. 1.
+// World position of a pixel's center at a depth in 0 .. 1.
 glm::dvec3 unproject(const gl::View& view, int x, int y, float depth);
 
 }  // namespace kelp::test

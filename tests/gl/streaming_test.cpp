@@ -44,17 +44,17 @@ class StreamingTest : public GlTest {
                      levelSize(size, level + 1).z}) >= 32)
       ++level;
     const DepthCanvas canvas(GetParam(), {96, 72}, GL_DEPTH_COMPONENT32F);
-    gl::Config config;
+    gl::RendererOptions config;
     config.surface_glsl =
         "vec4 kelpSurface(KelpSurface s) { return vec4(float(s.level) / 255.0, 1.0, 0.0, 1.0); }\n";
     const auto renderer = createRenderer(config);
     EXPECT_TRUE(renderer->add(*asset));
     const Instance instance{asset.get()};
     const Box box = runtime::bounds(instance);
-    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    const glm::vec3 center = 0.5f * (box.min + box.max);
     const float reach = glm::length(box.max - box.min);
     const gl::View view =
-        lookAt(canvas.size(), centre + reach * glm::vec3(0.4f, 0.3f, 1), centre, 0.01f * reach, 10 * reach);
+        lookAt(canvas.size(), center + reach * glm::vec3(0.4f, 0.3f, 1), center, 0.01f * reach, 10 * reach);
     for (int step = 0; step < 1000; ++step) {
       EXPECT_TRUE(renderer->upload(20 << 10));
       const Picture picture = take(*renderer, canvas, view, {&instance, 1});
@@ -110,14 +110,14 @@ TEST_P(StreamingTest, TheFirstPictureOfARealPackTakesFewBytes) {
 // pixel's depth never comes nearer, nor does it pass its last value. But for rays that graze: a voxel shrunk
 // by 1/256 of its level's side is promised to be found, no more, so that a ray may pass the corner of a
 // coarse voxel and meet the same corner when the level below is traced (with KELP_ERODE a quarter, a tenth of
-// them are left). And a colour, unlike a depth, may be near to the last one by chance while the voxel is too
+// them are left). And a color, unlike a depth, may be near to the last one by chance while the voxel is too
 // large.
 TEST_P(StreamingTest, EveryFrameIsNearerToTheLastOne) {
   for (const bool bent : {false, true}) {
     HostSource source(bytesOf(packOf(reed(256, 2))));
     const auto asset = openAsset(source);
     const DepthCanvas canvas(GetParam(), {120, 160}, GL_DEPTH_COMPONENT32F);
-    gl::Config config;
+    gl::RendererOptions config;
     config.gpu_budget = 16 << 20;
     const auto renderer = createRenderer(config);
     ASSERT_TRUE(renderer->add(*asset));
@@ -146,7 +146,7 @@ TEST_P(StreamingTest, EveryFrameIsNearerToTheLastOne) {
       return 256.0 * kNear * kFar / (kFar - double{depth} * (kFar - kNear));
     };
     struct Error {
-      double colour = 0, depth = 0;
+      double color = 0, depth = 0;
     };
     std::vector<Error> errors;
     int holes = 0, beyond = 0, first = -1;
@@ -159,14 +159,14 @@ TEST_P(StreamingTest, EveryFrameIsNearerToTheLastOne) {
       int nearer = 0;
       for (std::size_t i = 0; i < now.pixels.size(); ++i) {
         for (std::size_t c = 0; c < 3; ++c)
-          error.colour += std::abs(int{now.pixels[i][c]} - int{last.pixels[i][c]}) / 3.0;
+          error.color += std::abs(int{now.pixels[i][c]} - int{last.pixels[i][c]}) / 3.0;
         error.depth += std::abs(distance(now.depths[i]) - distance(last.depths[i])) > 1.0;
         holes += last.covers(i) && !now.covers(i);
         beyond += distance(now.depths[i]) > distance(last.depths[i]) + 0.5;
         nearer +=
             static_cast<int>(f) > first && distance(now.depths[i]) < distance(frames[f - 1].depths[i]) - 0.5;
       }
-      error.colour /= 255.0 * static_cast<double>(now.pixels.size());
+      error.color /= 255.0 * static_cast<double>(now.pixels.size());
       error.depth /= static_cast<double>(now.pixels.size());
       errors.push_back(error);
       EXPECT_LE(nearer, static_cast<int>(now.pixels.size()) / 200) << f;
@@ -177,9 +177,9 @@ TEST_P(StreamingTest, EveryFrameIsNearerToTheLastOne) {
     EXPECT_GT(errors[0].depth, 0.05);
     for (std::size_t f = 1; f < errors.size(); ++f) {
       EXPECT_LE(errors[f].depth, errors[f - 1].depth + 0.003) << f;
-      EXPECT_LE(errors[f].colour, 1.02 * errors[f - 1].colour + 1e-4) << f;
+      EXPECT_LE(errors[f].color, 1.02 * errors[f - 1].color + 1e-4) << f;
     }
-    EXPECT_EQ(errors.back().colour, 0);
+    EXPECT_EQ(errors.back().color, 0);
     EXPECT_EQ(errors.back().depth, 0);
     RecordProperty(bent ? "frames_bent" : "frames_straight", static_cast<int>(errors.size()));
   }
@@ -191,7 +191,7 @@ TEST_P(StreamingTest, NoUploadIsLargerThanItsBudget) {
     HostSource source(bytes), other(bytes);
     const auto asset = openAsset(source), beside = openAsset(other);
     const DepthCanvas canvas(GetParam(), {48, 64}, GL_DEPTH_COMPONENT32F);
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = CountedGl::getProcAddress;
     config.gpu_budget = 16 << 20;
     const auto renderer = createRenderer(config);
@@ -251,8 +251,8 @@ TEST_P(StreamingTest, FlyingAwayIsSmoothAndForgotten) {
   std::vector<Picture> away;
   for (int frame = 0; frame < kFrames; ++frame)
     away.push_back(take(*renderer, canvas, viewAt(frame), {&instance, 1}));
-  ASSERT_LT(gl::levelAt(viewAt(0), instance, 0, {0, 0}), 2);
-  ASSERT_GT(gl::levelAt(viewAt(kFrames - 1), instance, 0, {0, 0}), 3);
+  ASSERT_LT(gl::levelAt(viewAt(0), instance, 0, {0, 0}).value(), 2);
+  ASSERT_GT(gl::levelAt(viewAt(kFrames - 1), instance, 0, {0, 0}).value(), 3);
   std::vector<double> changes;
   for (std::size_t f = 1; f < away.size(); ++f) {
     double change = 0, covered = 0;

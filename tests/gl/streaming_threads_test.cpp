@@ -82,7 +82,7 @@ class StreamingThreadsTest : public GlTest {
       }
     });
     const DepthCanvas canvas(GetParam(), {24, 32}, GL_DEPTH_COMPONENT32F);
-    gl::Config config;
+    gl::RendererOptions config;
     config.gpu_budget = gpu_budget;
     const auto renderer = createRenderer(config);
     ASSERT_TRUE(renderer->add(*asset));

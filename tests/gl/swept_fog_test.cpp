@@ -125,8 +125,8 @@ TEST_P(SweptFog, IsThatOfAStraightSpline) {
     RawPack swept = sheared;
     swept.parts[0].bend = Bend::kSweep;
     const LoadedAsset assets[2] = {LoadedAsset(sheared), LoadedAsset(swept)};
-    gl::Config config;
-    config.secondary_rays = true;
+    gl::RendererOptions config;
+    config.features = gl::Features::kSecondaryRays;
     const auto renderer = makeRenderer(*assets[0].asset, nullptr, config);
     ASSERT_TRUE(renderer && renderer->add(*assets[1].asset) && renderer->upload(~std::uint64_t{0}));
     for (const bool shadow : {false, true}) {
@@ -151,8 +151,8 @@ TEST_P(SweptFog, ShadesItselfInACurl) {
   const reference::SweepRig rig = reference::namedSweeps(kSweptSize)[6];
   const RawPack pack = sweptFog(fogOf(kSweptSize, puffs), 0.15f, rig);
   const LoadedAsset loaded(pack);
-  gl::Config config;
-  config.secondary_rays = true;
+  gl::RendererOptions config;
+  config.features = gl::Features::kSecondaryRays;
   const auto renderer = makeRenderer(*loaded.asset, nullptr, config);
   ASSERT_TRUE(renderer);
   const Instance instance{loaded.asset.get(), nullptr};
@@ -215,7 +215,7 @@ TEST_P(SweptFog, EndsAtTheDepthSoFarAndBeginsAtTheEye) {
   const double front = double{middle.z};
   const FogTruth truth(pack.parts[0], 0);
   const auto chain = drawnArcs(pack.parts[0], 0);
-  const glm::vec3 inside = runtime::partToWorld(both[0], 0) *
+  const glm::vec3 inside = runtime::partToWorld(both[0], 0).value() *
                            glm::vec4(sweepPoint(*chain, kSweptSize, glm::vec3(kSweptSize) * 0.5f), 1);
   for (const bool reversed : {false, true}) {
     for (const bool in_it : {false, true}) {
@@ -243,7 +243,7 @@ TEST_P(SweptFog, EndsAtTheDepthSoFarAndBeginsAtTheEye) {
         for (int x = 0; x < canvas.size().x; ++x) {
           const PartRay ray = partRay(rays, both[0], chain->bounds, x, y);
           const runtime::Ray seen = pixelRay(rays, x, y);
-          const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(both[0], 0)));
+          const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(both[0], 0).value()));
           // (The wall stands across z.)
           const double to_wall = (front - double{seen.origin.z}) / double{seen.direction.z} *
                                  glm::length(glm::dmat3(to_part) * glm::dvec3(seen.direction));
@@ -309,8 +309,8 @@ TEST_P(SweptFog, IsTheSameInBothApis) {
   const Canvas canvas({40, 48});
   const LoadedAsset loaded(sweptFog(
       fogOf(kSweptSize, puffs, [](const glm::dvec3& p) { return puffs(p) * p.x; }), 0.1f, overlapping()));
-  gl::Config config;
-  config.secondary_rays = true;
+  gl::RendererOptions config;
+  config.features = gl::Features::kSecondaryRays;
   const auto renderer = makeRenderer(*loaded.asset, nullptr, config);
   ASSERT_TRUE(renderer);
   const Instance instance{loaded.asset.get(), nullptr};

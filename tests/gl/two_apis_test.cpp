@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// OpenGL 3.3 core and OpenGL ES 3.0 draw the same picture: colours within 1/255 of each other but at edges,
+// OpenGL 3.3 core and OpenGL ES 3.0 draw the same picture: colors within 1/255 of each other but at edges,
 // depths within half a voxel.
 #include <cmath>
 #include <cstdio>
@@ -22,14 +22,14 @@ constexpr glm::ivec2 kPixels{200, 150};
 struct Picture {
   std::vector<Pixel> colors;
   std::vector<Pixel> names;    // the instance's tint: nothing, or one of the scene's instances
-  std::vector<double> depths;  // along the view, metres
+  std::vector<double> depths;  // along the view, meters
 };
 
 struct Scene {
   std::string name;
   std::vector<Instance> instances;
   gl::View view;
-  double voxel;  // metres, of the largest instance
+  double voxel;  // meters, of the largest instance
 };
 
 // The scenes, made anew for each context: bent poses, several instances, mirrored and stretched, coarse
@@ -121,7 +121,7 @@ class TwoApisTest : public testing::Test {
     if (!context) return {};
     const DepthCanvas canvas(api, kPixels, GL_DEPTH_COMPONENT32F);
     const Scenes scenes;
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
     config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
     const auto shaded = gl::Renderer::create(config);
@@ -154,7 +154,7 @@ class TwoApisTest : public testing::Test {
     return pictures;
   }
 
-  // An edge: a pixel one of whose four neighbours shows another instance, or nothing where it shows
+  // An edge: a pixel one of whose four neighbors shows another instance, or nothing where it shows
   // something, or lies more than two voxels nearer or farther; in either picture.
   static bool isEdge(const Picture& picture, int x, int y, double voxel) {
     const auto i = static_cast<std::size_t>(kPixels.x * y + x);
@@ -170,7 +170,7 @@ class TwoApisTest : public testing::Test {
   }
 };
 
-TEST_F(TwoApisTest, DrawTheSameColoursButAtEdges) {
+TEST_F(TwoApisTest, DrawTheSameColorsButAtEdges) {
   std::vector<std::string> names, same_names;
   std::vector<double> voxels, same_voxels;
   const std::vector<Picture> desktop = draw(GlApi::kDesktop33, names, voxels),

@@ -5,8 +5,8 @@
 namespace kelp::test {
 
 struct WatchedGl {
-  // For kelp::gl::Config; `user` is not used. Fails the test if kelp asks for a function that is not in its
-  // table.
+  // For kelp::gl::RendererOptions; `user` is not used. Fails the test if kelp asks for a function that is not
+  // in its table.
   static void* getProcAddress(void* user, const char* name);
   // Calls of any thread since the program began.
   static long calls();

@@ -220,7 +220,7 @@ class SweptViewer : public ::testing::Test {
     return made;
   }
   glm::vec3 inWorld(const glm::vec3& voxel) const {
-    return glm::vec3(partToWorld(model_->instance(), 0) * glm::vec4(voxel, 1));
+    return glm::vec3(partToWorld(model_->instance(), 0).value() * glm::vec4(voxel, 1));
   }
 
   const test::Scratch scratch_;
@@ -303,7 +303,8 @@ TEST_F(SweptViewer, ARollPlaysAtOnceAndAnotherBendIsReread) {
   open(hook());
   PackRig rig = rigOf(model_->asset().pack());
   const auto corner = [](const Model& model) {
-    return toWorld(model.instance(), 0, model.asset().pack().parts()[0].to_object * glm::vec4(12, 50, 0, 1));
+    return toWorld(model.instance(), 0, model.asset().pack().parts()[0].to_object * glm::vec4(12, 50, 0, 1))
+        .value();
   };
   const glm::vec3 before = corner(*model_);
   const auto bakedWith = [&](const RigDescription& wanted) {

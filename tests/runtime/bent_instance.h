@@ -66,7 +66,7 @@ class BentInstance {
     EXPECT_TRUE(pose_.setKnots(0, knots));
     pose_.motion(0)->roll = roll;
     instance = {&asset, &pose_, to_world};
-    to_world_ = glm::dmat4(partToWorld(instance, 0));
+    to_world_ = glm::dmat4(partToWorld(instance, 0).value());
     to_part_ = glm::inverse(to_world_);
     const Box box = truth_->bounds();
     low_ = glm::dvec3(box.min), high_ = glm::dvec3(box.max);

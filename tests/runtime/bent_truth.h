@@ -35,7 +35,7 @@ class Layers {
     const glm::dvec2 off = q - glm::clamp(q, layer.low, layer.high);
     return glm::dot(off, off);
   }
-  // The nearest point of the layer's squares: of those that are nearest to the four centres around q, or of
+  // The nearest point of the layer's squares: of those that are nearest to the four centers around q, or of
   // all, if q is beside the volume. Far away if none is nearer than the root of `enough`.
   glm::dvec2 nearest(int y, const glm::dvec2& q,
                      double enough = std::numeric_limits<double>::infinity()) const {

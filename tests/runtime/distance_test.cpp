@@ -77,7 +77,7 @@ TEST_F(DistanceQuery, NeverExceedsTheTruthOfNeedles) {
       const glm::dmat3 after = i % 2 == 0 ? glm::dmat3(1) : turn();
       Instance instance{loaded.get()};
       instance.to_world = glm::mat4(glm::mat3(std::pow(10.0, i % 7 - 3) * after * squeeze * turn()));
-      const glm::dmat4 matrix(partToWorld(instance, 0));
+      const glm::dmat4 matrix(partToWorld(instance, 0).value());
       const glm::dmat3 linear(matrix);
       glm::dmat3 power = glm::inverse(glm::transpose(linear) * linear);
       for (int step = 0; step < 24; ++step) {
@@ -218,7 +218,7 @@ TEST_F(DistanceQuery, ErrorsOfWhatIsFarAreFoundWithoutBoxesOnly) {
   const std::vector<Instance> list = {Instance{asset.get()}, Instance{}};
   const std::vector<Box> boxes = {bounds(list[0]), Box{glm::vec3(1000), glm::vec3(1001)}};
   const Sphere shape{glm::vec3(5), 1};
-  EXPECT_EQ(overlaps(list, shape, boxes).value(), -1);
+  EXPECT_EQ(overlaps(list, shape, boxes).value(), std::nullopt);
   EXPECT_EQ(overlaps(list, shape).error().offset, 1u);
 }
 
@@ -234,12 +234,12 @@ TEST_F(DistanceQuery, ABoxMayHaveAnyQuaternion) {
     const glm::quat turn =
         glm::normalize(glm::quat(normal(random), normal(random), normal(random), normal(random)));
     const glm::vec3 at(0.9f + 0.3f * unit(random), unit(random), unit(random));
-    const glm::vec3 centre = glm::mix(around.min, around.max, at);
-    const OrientedBox box{centre, glm::vec3(0.1f, 0.2f, 0.3f), turn};
-    const int truth = overlaps(list, box).value();
+    const glm::vec3 center = glm::mix(around.min, around.max, at);
+    const OrientedBox box{center, glm::vec3(0.1f, 0.2f, 0.3f), turn};
+    const std::optional<int> truth = overlaps(list, box).value();
     touched += truth == 0;
     for (const float length : {1e-30f, 5e-23f, 1e-21f, 1e18f, 1e30f})
-      EXPECT_EQ(overlaps(list, OrientedBox{centre, box.half_size, turn * length}).value(), truth) << length;
+      EXPECT_EQ(overlaps(list, OrientedBox{center, box.half_size, turn * length}).value(), truth) << length;
   }
   EXPECT_GT(touched, 50);
   EXPECT_LT(touched, 250);
@@ -252,7 +252,7 @@ TEST_F(DistanceQuery, WhatIsNotDrawnHasNoSolid) {
   ASSERT_TRUE(pose.move(0, 1, {0, -2, 0}));
   const auto expectNone = [&] {
     EXPECT_EQ(distance(instance, point)->bound, kFarAway);
-    EXPECT_EQ(distance(instance, point)->part, -1);
+    EXPECT_EQ(distance(instance, point)->part, std::nullopt);
     EXPECT_EQ(closestPoint(instance, point)->distance, kFarAway);
     EXPECT_FALSE(*overlaps(instance, Sphere{point, 1}));
     EXPECT_FALSE(sphereCast(instance, point, glm::vec3(1), 1)->hit);

@@ -45,8 +45,9 @@ void expectStraight(const Loaded& loaded, const Pose& pose, const glm::dvec3& le
   for (int i = 0; i <= 128; ++i) {
     const double y = i / 128.0;
     const glm::dvec3 wanted = glm::dvec3(0, y, 0) + y * lean;
-    worst = std::max(worst,
-                     glm::distance(glm::dvec3(toWorld(instance, 0, {0, static_cast<float>(y), 0})), wanted));
+    worst = std::max(
+        worst,
+        glm::distance(glm::dvec3(toWorld(instance, 0, {0, static_cast<float>(y), 0}).value()), wanted));
   }
   EXPECT_LT(worst, kTolerance) << "by toWorld";
   for (std::size_t k = 0; k < 2; ++k) {
@@ -120,7 +121,7 @@ void expectSpline(const Loaded& loaded, const Pose& pose, std::span<const Knot> 
     const test::SplineTruth segment(knots[k], knots[k + 1]);
     for (double t = 0; t <= 1; t += 1.0 / 32) {
       const glm::dvec3 wanted(segment.value(0, t), segment.value(1, t), segment.value(2, t));
-      const glm::dvec3 at(toWorld(instance, 0, {0, static_cast<float>(wanted.y), 0}));
+      const glm::dvec3 at(toWorld(instance, 0, {0, static_cast<float>(wanted.y), 0}).value());
       EXPECT_LT(glm::distance(at, wanted), kTolerance) << k << ' ' << t;
     }
   }

@@ -100,7 +100,7 @@ TEST_F(ShapeQuery, ClosestPointIsOfTheSolidAndNearest) {
       ASSERT_FALSE(found.ran_out);
       const float reach = static_cast<float>(0.99 * truth);
       if (truth > 2 * bent.voxel) {
-        ASSERT_EQ(closestPoint(bent.instance, point, 0.7f * reach)->part, -1);
+        ASSERT_EQ(closestPoint(bent.instance, point, 0.7f * reach)->part, std::nullopt);
       }
       if (truth > 0.01 * bent.voxel) {  // the truth is within this reach, so something must be found
         const ClosestPoint near =
@@ -116,11 +116,11 @@ TEST_F(ShapeQuery, SpheresOverlapAsTheyShould) {
   inAllPoses([](test::BentInstance& bent) {
     int touched = 0, count = 4 * shapes(bent);
     for (int i = 0; i < count; ++i) {
-      const glm::vec3 centre = bent.beside();
-      const double truth = bent.distanceOf(glm::dvec3(centre));
+      const glm::vec3 center = bent.beside();
+      const double truth = bent.distanceOf(glm::dvec3(center));
       const double radius = truth + bent.voxel * (4 * bent.unit() - 2.5);
-      const Sphere sphere{centre, static_cast<float>(std::max(radius, 0.01 * bent.voxel))};
-      const bool found = overlaps(bent.instance, sphere).value();
+      const Sphere sphere{center, static_cast<float>(std::max(radius, 0.01 * bent.voxel))};
+      const bool found = overlaps(bent.instance, sphere).value().has_value();
       touched += found;
       ASSERT_TRUE(found || truth > double{sphere.radius}) << truth / bent.voxel;
       ASSERT_TRUE(!found || truth <= double{sphere.radius} + (1 + kStep) * bent.voxel)
@@ -140,7 +140,7 @@ TEST_F(ShapeQuery, CapsulesOverlapAsTheyShould) {
       double truth = INFINITY;
       for (double t = 0; t <= 1; t += 1.0 / 64)
         truth = std::min(truth, bent.distanceOf(glm::mix(glm::dvec3(a), glm::dvec3(b), t)));
-      const bool found = overlaps(bent.instance, capsule).value();
+      const bool found = overlaps(bent.instance, capsule).value().has_value();
       ASSERT_TRUE(found || truth > double{capsule.radius});
       ASSERT_TRUE(!found || truth <= double{capsule.radius} + (1 + kStep + 10.0 / 64) * bent.voxel);
     }
@@ -160,13 +160,13 @@ TEST_F(ShapeQuery, BoxesOverlapAsTheyShould) {
       for (int k = 0; k < kSide * kSide * kSide; ++k) {
         const glm::dvec3 share =
             glm::dvec3(k % kSide, k / kSide % kSide, k / kSide / kSide) * (2.0 / (kSide - 1)) - 1.0;
-        const glm::dvec3 p = glm::dvec3(box.centre) + turn * (share * half);
+        const glm::dvec3 p = glm::dvec3(box.center) + turn * (share * half);
         const glm::dvec3 near = bent.inside(p) ? p : bent.nearest(p);
         truth = std::min(truth, glm::distance(near, p));
-        const glm::dvec3 local = glm::abs(glm::conjugate(turn) * (near - glm::dvec3(box.centre)));
+        const glm::dvec3 local = glm::abs(glm::conjugate(turn) * (near - glm::dvec3(box.center)));
         touches |= glm::all(glm::lessThan(local, 0.9999 * half));
       }
-      const bool found = overlaps(bent.instance, box).value();
+      const bool found = overlaps(bent.instance, box).value().has_value();
       ASSERT_TRUE(found || !touches);
       const double apart = glm::length(half) / (kSide - 1);  // between a point of the box and its samples
       ASSERT_TRUE(!found || touches || truth <= apart + (1 + kStep) * bent.voxel);
@@ -199,7 +199,7 @@ TEST_F(ShapeQuery, SphereCastsStopBeforeContactAndNeverTunnel) {
       }
       ++hits;
       ASSERT_NEAR(glm::length(cast.away), 1, 1e-4);
-      near += bent.distanceOf(glm::dvec3(cast.centre)) - radius <= (1 + kStep) * bent.voxel;
+      near += bent.distanceOf(glm::dvec3(cast.center)) - radius <= (1 + kStep) * bent.voxel;
     }
     EXPECT_EQ(tunnels, 0);
     EXPECT_EQ(ran_out, 0);
@@ -267,7 +267,7 @@ TEST_F(ShapeQuery, AnswersWithinTwoVoxelsWhereTheMatrixShears) {
       matrix[0] += shear * normal(random) * matrix[1] + shear * normal(random) * matrix[2];
       matrix[1] += shear * normal(random) * matrix[2];
       const Instance instance{loaded.get(), nullptr, matrix};
-      const glm::dmat4 to_world(partToWorld(instance, 0));
+      const glm::dmat4 to_world(partToWorld(instance, 0).value());
       const ShearedVoxels truth(grains, to_world);
       double voxel = 0;
       for (int i = 0; i < 3; ++i) voxel = std::max(voxel, glm::length(glm::dvec3(to_world[i])));
@@ -288,7 +288,7 @@ TEST_F(ShapeQuery, AnswersWithinTwoVoxelsWhereTheMatrixShears) {
           ASSERT_EQ(closestPoint(instance, point, static_cast<float>(1.001 * apart))->part, 0);
         }
         const float radius = static_cast<float>(std::max(apart + 3 * voxel * (unit() - 0.5), 0.0));
-        const bool touches = overlaps(instance, Sphere{point, radius}).value();
+        const bool touches = overlaps(instance, Sphere{point, radius}).value().has_value();
         touched += touches;
         ASSERT_TRUE(touches || apart > double{radius} * (1 - 1e-6));
         ASSERT_TRUE(!touches || apart <= double{radius} + 2 * voxel);
@@ -296,11 +296,11 @@ TEST_F(ShapeQuery, AnswersWithinTwoVoxelsWhereTheMatrixShears) {
         ASSERT_FALSE(cast.ran_out);
         hits += cast.hit;
         for (double t = 0; t < 1; t += 1.0 / 32) {
-          const glm::dvec3 centre = glm::mix(glm::dvec3(point), glm::dvec3(to), t * double{cast.t});
-          ASSERT_GE(truth.distanceOf(centre), double{0.3f * radius} * (1 - 1e-6) * (t * double{cast.t} > 0));
+          const glm::dvec3 center = glm::mix(glm::dvec3(point), glm::dvec3(to), t * double{cast.t});
+          ASSERT_GE(truth.distanceOf(center), double{0.3f * radius} * (1 - 1e-6) * (t * double{cast.t} > 0));
         }
         if (cast.hit) {
-          ASSERT_LE(truth.distanceOf(glm::dvec3(cast.centre)), double{0.3f * radius} + 2 * voxel);
+          ASSERT_LE(truth.distanceOf(glm::dvec3(cast.center)), double{0.3f * radius} + 2 * voxel);
         }
       }
       EXPECT_GT(touched, count / 8);
@@ -309,7 +309,7 @@ TEST_F(ShapeQuery, AnswersWithinTwoVoxelsWhereTheMatrixShears) {
   }
 }
 
-// A way as long as floats can tell, right through the middle of a box that is a metre high.
+// A way as long as floats can tell, right through the middle of a box that is a meter high.
 TEST_F(ShapeQuery, LongWaysDoNotTunnel) {
   const std::vector<std::byte> box_bytes =
       test::bytesOf(test::distancePackOf(test::dust({64, 64, 64}, 1, 1)));
@@ -356,13 +356,13 @@ TEST_F(ShapeQuery, ListsAnswerForTheNearest) {
     const glm::vec3 p(unit(random), unit(random), unit(random)), q(unit(random), unit(random), unit(random));
     const float radius = 0.1f * std::abs(unit(random));
     float bound = kFarAway, closest = kFarAway, t = 1;
-    int first = -1;
+    std::optional<int> first;
     for (int k = 0; k < 30; ++k) {
       const Instance& one = list[static_cast<std::size_t>(k)];
       bound = std::min(bound, distance(one, p)->bound);
       closest = std::min(closest, closestPoint(one, p)->distance);
       t = std::min(t, sphereCast(one, p, q, radius)->t);
-      if (first < 0 && *overlaps(one, Sphere{p, radius})) first = k;
+      if (!first && *overlaps(one, Sphere{p, radius})) first = k;
     }
     for (const std::span<const Box> given : {std::span<const Box>(), std::span<const Box>(boxes)}) {
       const Distance found = *distance(list, p, given);
@@ -373,7 +373,7 @@ TEST_F(ShapeQuery, ListsAnswerForTheNearest) {
       EXPECT_EQ(*overlaps(list, Sphere{p, radius}, given), first);
     }
   }
-  EXPECT_EQ(distance(std::span<const Instance>(), glm::vec3(0))->part, -1);
+  EXPECT_EQ(distance(std::span<const Instance>(), glm::vec3(0))->part, std::nullopt);
 }
 
 // Codes that lie, as far as the reader lets them: answers mean nothing, but they come.

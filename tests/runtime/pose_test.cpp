@@ -205,7 +205,7 @@ TEST(Instance, RestPointsGoToTheWorldAndBack) {
   for (int i = 0; i < 500; ++i) {
     const glm::vec3 voxel(24 * unit(random), 40 * unit(random), 24 * unit(random));
     const glm::vec3 rest = test::voxelToRest(instance, 0, voxel);
-    const glm::vec3 world = toWorld(instance, 0, rest);
+    const glm::vec3 world = toWorld(instance, 0, rest).value();
     for (int a = 0; a < 3; ++a) {
       EXPECT_GE(world[a], box.min[a] - 1e-4f);
       EXPECT_LE(world[a], box.max[a] + 1e-4f);
@@ -213,7 +213,7 @@ TEST(Instance, RestPointsGoToTheWorldAndBack) {
     const auto back = toRest(instance, 0, world);
     ASSERT_TRUE(back);
     EXPECT_LT(glm::distance(test::restToVoxel(instance, 0, *back), voxel), 2e-2f);
-    const glm::mat4 frame = frameAt(instance, 0, rest);
+    const glm::mat4 frame = frameAt(instance, 0, rest).value();
     EXPECT_LT(glm::distance(glm::vec3(frame[3]), world), 1e-5f);
     EXPECT_NEAR(glm::determinant(glm::mat3(frame)), 1.0f, 1e-4f);
     // y runs along the spline: where a point a little higher goes.

@@ -32,7 +32,7 @@ TEST(Raycast, AgreesWithTheGroundTruthFromAfar) {
     Instance instance{&asset, &pose};
     instance.to_world = glm::mat4(glm::vec4(0, 0, 2, 0), glm::vec4(0, 3, 0, 0), glm::vec4(-2, 0.5f, 0, 0),
                                   glm::vec4(30, -20, 10, 1));
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(partToWorld(instance, 0)));
+    const glm::dmat4 to_part = glm::inverse(glm::dmat4(partToWorld(instance, 0).value()));
     for (int i = 0; i < 3000; ++i) {
       const glm::vec3 target =
           test::voxelToWorld(instance, 0, {60 * unit(random), 80 * unit(random), 50 * unit(random)});

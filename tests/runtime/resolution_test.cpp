@@ -17,7 +17,7 @@
 namespace kelp::runtime {
 namespace {
 
-constexpr float kVoxel = 1.0f / 128;  // of the coarser one, metres: the shape is 1 m high
+constexpr float kVoxel = 1.0f / 128;  // of the coarser one, meters: the shape is 1 m high
 
 // A body with bulges, without gaps that a voxel could close.
 fields::Occupancy bulges(const glm::ivec3& size) {
@@ -104,7 +104,7 @@ TEST_F(Resolutions, GiveTheSamePosesAndPoints) {
         b{fine_.asset.get(), &fine_poses_[i], to_world_};
     for (int n = 0; n < 2000; ++n) {
       const glm::vec3 rest(0.125f * unit(random), 0.5f + 0.5f * unit(random), 0.125f * unit(random));
-      const glm::vec3 p = toWorld(a, 0, rest), q = toWorld(b, 0, rest);
+      const glm::vec3 p = toWorld(a, 0, rest).value(), q = toWorld(b, 0, rest).value();
       // Some twenty roundings of numbers up to 2 m: 2 m / 2^24 each.
       EXPECT_LT(glm::distance(p, q), 20 * 2 * 0x1p-24f);
       moved = std::max(moved, double{glm::distance(p, glm::vec3(to_world_ * glm::vec4(rest, 1)))});

@@ -213,7 +213,7 @@ TEST(Spring, ASpherePushesItAway) {
       const glm::vec3 place(instance.to_world * glm::vec4(0.15f * d(random), height, 0.15f * d(random), 1));
       const float radius = 0.2f;
       Spring spring = *Spring::create(*loaded.asset, {1.0f, 0.2f, 1.0f, true});
-      const glm::mat4 part_to_world = partToWorld(instance, 0);
+      const glm::mat4 part_to_world = partToWorld(instance, 0).value();
       const double before = distanceTo(place, pose, part_to_world);
       ASSERT_TRUE(spring.pushAway(instance, place, radius));
       EXPECT_EQ(spring.knots(0)[0].offset, glm::vec3(0));
@@ -315,10 +315,10 @@ TEST(Spring, MisuseIsAnswered) {
     EXPECT_EQ(spring.step(seconds).error().code, ErrorCode::kMisuse);
   EXPECT_TRUE(spring.step(0));
   EXPECT_EQ(spring.knots(0)[1].velocity, glm::vec3(0)) << "nothing of all that was done";
-  for (const SpringSettings& bad :
-       {SpringSettings{0}, SpringSettings{-1}, SpringSettings{kNan}, SpringSettings{1e6f},
-        SpringSettings{1, -0.1f}, SpringSettings{1, kNan}, SpringSettings{1, HUGE_VALF},
-        SpringSettings{1, 1, 0}, SpringSettings{1, 1, kNan}}) {
+  for (const SpringOptions& bad :
+       {SpringOptions{0}, SpringOptions{-1}, SpringOptions{kNan}, SpringOptions{1e6f},
+        SpringOptions{1, -0.1f}, SpringOptions{1, kNan}, SpringOptions{1, HUGE_VALF}, SpringOptions{1, 1, 0},
+        SpringOptions{1, 1, kNan}}) {
     EXPECT_EQ(Spring::create(*loaded.asset, bad).error().code, ErrorCode::kMisuse);
   }
 }

@@ -56,14 +56,14 @@ TEST(Stretch, TheVolumeFollowsThePapersMap) {
     }
     if (high - low < 5 || !pose.check()) continue;
     ++(high - low > 40 ? stretched : squashed);
-    const glm::dmat4 to_world(partToWorld(instance, 0));
+    const glm::dmat4 to_world(partToWorld(instance, 0).value());
     const Box box = bounds(instance);
     for (int i = 0; i < 20; ++i) {
       const glm::vec3 rest(24 * unit(random), 40 * unit(random), 24 * unit(random));
       const glm::dvec3 expected(
           to_world * glm::dvec4(mapped(test::inVoxels(pose.knots(0), 40), 40, glm::dvec3(rest)), 1));
       const glm::vec3 world = test::voxelToWorld(instance, 0, rest);
-      EXPECT_LT(glm::distance(glm::dvec3(world), expected), 2e-5);  // of a metre of 40 voxels
+      EXPECT_LT(glm::distance(glm::dvec3(world), expected), 2e-5);  // of a meter of 40 voxels
       for (int axis = 0; axis < 3; ++axis) {
         EXPECT_GE(expected[axis], static_cast<double>(box.min[axis]) - 1e-6);
         EXPECT_LE(expected[axis], static_cast<double>(box.max[axis]) + 1e-6);

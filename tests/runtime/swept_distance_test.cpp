@@ -70,12 +70,12 @@ TEST_F(SweptDistanceQuery, NeverExceedsTheDepthOfAPorousStem) {
   for (std::uint8_t& solid : porous.solid) solid = !solid;
   const test::Layers hole_layers(porous);
   const test::SweptTruth holes(hole_layers, rig.knots, 0);
-  const glm::dmat4 to_world(partToWorld(bent.instance, 0)), to_part = glm::inverse(to_world);
+  const glm::dmat4 to_world(partToWorld(bent.instance, 0).value()), to_part = glm::inverse(to_world);
   double deepest = 0;
   for (int i = 0; i < 5 * sweptQueries(); ++i) {
     const glm::vec3 rest(glm::dvec3(40 * bent.unit(), 56 + 8 * bent.unit(), 40 * bent.unit()) -
                          glm::dvec3(20, 0, 20));
-    const glm::vec3 point = toWorld(bent.instance, 0, rest / 120.0f);
+    const glm::vec3 point = toWorld(bent.instance, 0, rest / 120.0f).value();
     const double depth = -double{distance(bent.instance, point)->bound} / bent.voxel;
     const glm::dvec3 in_part(to_part * glm::dvec4(point, 1));
     if (depth > kLittle) {
@@ -109,7 +109,7 @@ TEST_F(SweptDistanceQuery, NeverExceedsAChord) {
       test::BentInstance bent(*asset, layers, rig.knots, glm::mat4(1), 1);
       for (int y = 1; y < height; ++y) {
         const auto rest_y = (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
-        const glm::vec3 point = toWorld(bent.instance, 0, {0, rest_y, 0});
+        const glm::vec3 point = toWorld(bent.instance, 0, {0, rest_y, 0}).value();
         EXPECT_LE(double{distance(bent.instance, point)->bound}, bent.distanceOf(glm::dvec3(point))) << y;
       }
     }
@@ -148,7 +148,7 @@ TEST_F(SweptDistanceQuery, ShearedShapesMissNothing) {
       const glm::vec3 point = bent.beside(3);
       const double truth = bent.distanceOf(glm::dvec3(point));
       const auto radius = static_cast<float>(truth * (0.5 + bent.unit()));
-      const bool found = *overlaps(bent.instance, Sphere{point, radius});
+      const bool found = overlaps(bent.instance, Sphere{point, radius}).value().has_value();
       touched += found;
       ASSERT_TRUE(found || truth > double{radius});
       const ClosestPoint closest = *closestPoint(bent.instance, point);
@@ -238,13 +238,13 @@ TEST_F(SweptDistanceQuery, WhatIsNotDrawnHasNoSolid) {
     Pose pose = *Pose::create(*asset);
     const Instance instance{asset.get(), &pose};
     const auto drawn = [&] {
-      const bool found = distance(instance, point)->part >= 0;
-      EXPECT_EQ(closestPoint(instance, point)->part >= 0, found);
-      EXPECT_EQ(*overlaps(instance, Sphere{point, 1}), found);
-      EXPECT_EQ(*overlaps(instance, Capsule{point, glm::vec3(1), 1}), found);
-      EXPECT_EQ(*overlaps(instance, OrientedBox{point, glm::vec3(1)}), found);
+      const bool found = distance(instance, point)->part.has_value();
+      EXPECT_EQ(closestPoint(instance, point)->part.has_value(), found);
+      EXPECT_EQ(overlaps(instance, Sphere{point, 1})->has_value(), found);
+      EXPECT_EQ(overlaps(instance, Capsule{point, glm::vec3(1), 1})->has_value(), found);
+      EXPECT_EQ(overlaps(instance, OrientedBox{point, glm::vec3(1)})->has_value(), found);
       EXPECT_EQ(sphereCast(instance, point, glm::vec3(1), 1)->hit, found);
-      EXPECT_EQ(distance({&instance, 1}, point)->part >= 0, found);
+      EXPECT_EQ(distance({&instance, 1}, point)->part.has_value(), found);
       return found;
     };
     EXPECT_TRUE(drawn());

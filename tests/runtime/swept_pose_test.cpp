@@ -42,25 +42,26 @@ struct SweptPose : testing::Test {
 TEST_F(SweptPose, PointsGoToTheWorldAndBack) {
   swept.inPoses(8, [&](const std::string& name, test::BentInstance& bent) {
     const ArcChain chain = chainOf(bent.instance);
-    const glm::dmat4 to_world(partToWorld(bent.instance, 0));
+    const glm::dmat4 to_world(partToWorld(bent.instance, 0).value());
     int back = 0;
     for (int i = 0; i < 2000; ++i) {
       const dvec3 rest = anywhere(bent);
       const dvec3 truth(to_world * glm::dvec4(reference::swept(arcOf(chain, rest.y), size, rest), 1));
-      const glm::vec3 object = inObject(bent.instance, rest), world = toWorld(bent.instance, 0, object);
+      const glm::vec3 object = inObject(bent.instance, rest),
+                      world = toWorld(bent.instance, 0, object).value();
       ASSERT_LT(glm::distance(dvec3(world), truth), 0.002 * bent.voxel) << name;
       // Where coils overlap, the answer is another point; but it goes to the same place.
       const std::optional<glm::vec3> again = toRest(bent.instance, 0, world);
       ASSERT_TRUE(again) << name;
-      ASSERT_LT(glm::distance(toWorld(bent.instance, 0, *again), world), 0.01 * bent.voxel) << name;
+      ASSERT_LT(glm::distance(toWorld(bent.instance, 0, *again).value(), world), 0.01 * bent.voxel) << name;
       back += glm::distance(*again, object) < 0.01f / static_cast<float>(size.y);
     }
     EXPECT_GT(back, name == "helix" ? 1000 : 1900) << name;
   });
 }
 
-// Two coils cross: of the points that are there at rest, the one nearest to its centre line answers.
-TEST_F(SweptPose, WhereCoilsOverlapTheNearestCentreLineAnswers) {
+// Two coils cross: of the points that are there at rest, the one nearest to its center line answers.
+TEST_F(SweptPose, WhereCoilsOverlapTheNearestCenterLineAnswers) {
   reference::SweepRig ring{"ring", {}, 0};
   constexpr double kTurn = 7.5, kRadius = 0.2, kLength = kTurn * kRadius;  // more than once round
   for (int i = 0; i <= 8; ++i) {
@@ -73,11 +74,11 @@ TEST_F(SweptPose, WhereCoilsOverlapTheNearestCentreLineAnswers) {
   const test::SweptAsset asset(swept.pack, ring);
   test::BentInstance bent(*asset, swept.layers, ring.knots, glm::mat4(1), 1);
   const ArcChain chain = chainOf(bent.instance);
-  const glm::dmat4 to_part = glm::inverse(glm::dmat4(partToWorld(bent.instance, 0)));
+  const glm::dmat4 to_part = glm::inverse(glm::dmat4(partToWorld(bent.instance, 0).value()));
   const glm::dmat4 to_voxels = glm::inverse(glm::dmat4((*asset).pack().parts()[0].to_object));
   int several = 0;
   for (int i = 0; i < 4000; ++i) {
-    const glm::vec3 world = toWorld(bent.instance, 0, inObject(bent.instance, anywhere(bent)));
+    const glm::vec3 world = toWorld(bent.instance, 0, inObject(bent.instance, anywhere(bent))).value();
     const dvec3 point(to_part * glm::dvec4(dvec3(world), 1));
     double nearest = 1e9, second = 1e9;
     for (int a = 0; a < chain.count; ++a) {
@@ -97,12 +98,12 @@ TEST_F(SweptPose, WhereCoilsOverlapTheNearestCentreLineAnswers) {
 
 TEST_F(SweptPose, FramesStandOnTheSpline) {
   swept.inPoses(8, [&](const std::string& name, test::BentInstance& bent) {
-    const glm::dmat3 linear(glm::dmat4(partToWorld(bent.instance, 0)));
+    const glm::dmat3 linear(glm::dmat4(partToWorld(bent.instance, 0).value()));
     const ArcChain chain = chainOf(bent.instance);
     for (int i = 0; i < 200; ++i) {
       dvec3 rest = anywhere(bent);
       rest.y = std::clamp(rest.y, 1.0, size.y - 1.0);
-      const glm::mat4 frame = frameAt(bent.instance, 0, inObject(bent.instance, rest));
+      const glm::mat4 frame = frameAt(bent.instance, 0, inObject(bent.instance, rest)).value();
       EXPECT_NEAR(glm::determinant(glm::mat3(frame)), 1, 1e-5f) << name;
       // Along the line, and across it, by finite differences.
       const Arc& arc = arcOf(chain, rest.y);
@@ -167,7 +168,8 @@ TEST_F(SweptPose, SpringsSwingAndComeBack) {
 
   // A body that walks into it moves it away, on the side where it stands.
   const Instance instance{&*asset, &pose};
-  const glm::vec3 tip = toWorld(instance, 0, inObject(instance, {0.5 * size.x, 0.9 * size.y, 0.5 * size.z}));
+  const glm::vec3 tip =
+      toWorld(instance, 0, inObject(instance, {0.5 * size.x, 0.9 * size.y, 0.5 * size.z})).value();
   pose.reset();
   ASSERT_TRUE(spring.pushAway(instance, tip - glm::vec3(0.05f, 0, 0), 0.15f));
   ASSERT_TRUE(spring.addTo(pose));

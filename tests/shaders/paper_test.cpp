@@ -259,7 +259,7 @@ TEST(Paper, DistanceFieldStepsLessAndSkipsSome) {
     missed_world += world.missed;
     if (pose.name == std::string("rest")) at_rest = mapped;
   }
-  // Without deformation both are sphere tracing with a centre-to-centre distance, which is too long already;
+  // Without deformation both are sphere tracing with a center-to-center distance, which is too long already;
   // bent, the heuristic errs too.
   EXPECT_LT(at_rest.steps, 15);
   EXPECT_LT(at_rest.missedShare(), 0.2);

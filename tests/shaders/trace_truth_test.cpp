@@ -38,9 +38,9 @@ fields::Occupancy thinPosts(const glm::ivec3& size) {
 
 // Spheres one voxel thick, one in the other.
 fields::Occupancy shells(const glm::ivec3& size) {
-  const glm::vec3 centre = 0.5f * glm::vec3(size);
+  const glm::vec3 center = 0.5f * glm::vec3(size);
   return volumeWhere(size, [&](const glm::ivec3& v) {
-    const float d = glm::distance(glm::vec3(v) + 0.5f, centre);
+    const float d = glm::distance(glm::vec3(v) + 0.5f, center);
     return (std::abs(d - 40) < 0.6f || std::abs(d - 90) < 0.6f || std::abs(d - 120) < 0.6f) &&
            (v.x + 2 * v.y + 3 * v.z) % 29 > 3;
   });

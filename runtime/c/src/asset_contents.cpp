@@ -126,14 +126,6 @@ kelp_result kelp_asset_find_clip(kelp_asset asset, const char* name, int32_t* cl
   return name && clip ? answer(findClip(*object->asset, name), clip) : nullPointer();
 }
 
-kelp_result kelp_asset_clip_has_ended(kelp_asset asset, int32_t clip, double seconds, kelp_bool* ended) {
-  const Pinned<AssetObject> object(asset.id);
-  if (!object) return object.bad();
-  if (!ended) return nullPointer();
-  *ended = hasEnded(*object->asset, clip, seconds);
-  return KELP_OK;
-}
-
 kelp_result kelp_asset_get_wave(kelp_asset asset, int32_t clip, int32_t wave, kelp_wave* out) {
   return describeElement(
       asset, out, &Pack::clips, clip, kNoClip, [wave](const Asset&, const kelp::Clip& of, kelp_wave& to) {

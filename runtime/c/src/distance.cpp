@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/runtime/distance.h"
 
-#include <limits>
-
 #include "instance_list.h"
 #include "kelp/c/distance.h"
 
 namespace kelp::c {
 namespace {
 
-using Instances = std::span<const runtime::Instance>;
+using runtime::Instances;
 using Boxes = std::span<const Box>;
-
-// The box of a list of one that has none: nothing is gained by making it, and it costs a third of a query.
-constexpr float kLargest = std::numeric_limits<float>::max();
-constexpr Box kEverywhere{glm::vec3(-kLargest), glm::vec3(kLargest)};
 
 // call(instances, boxes): what a query does with a list.
 template <class Call>
@@ -22,16 +16,17 @@ kelp_result withList(const kelp_instance* instances, std::uint32_t count, const 
                      const Call& call) {
   InstanceList list;
   if (const kelp_result bad = list.read(instances, count)) return bad;
-  if (!boxes && count == 1) return call(list.all(), {&kEverywhere, 1});
   return call(list.all(), same<Box>(boxes, boxes ? count : 0));
 }
 
-template <class Shape>
 kelp_result overlapsShape(const kelp_instance* instances, std::uint32_t count, const kelp_box* boxes,
-                          const Shape& shape, std::int32_t* instance) {
+                          const runtime::Shape& shape, std::int32_t* instance) {
   if (!instance) return nullPointer();
   return withList(instances, count, boxes, [&](Instances all, Boxes around) {
-    return answer(overlaps(all, shape, around), instance);
+    const auto found = overlaps(all, shape, around);
+    if (!found) return fail(found.error());
+    *instance = found->value_or(KELP_NONE);
+    return kelp_result{KELP_OK};
   });
 }
 
@@ -51,7 +46,7 @@ kelp_result kelp_distance(const kelp_instance* instances, uint32_t count, const 
     out.bound = found->bound;
     put(found->away, out.away);
     out.instance = found->instance;
-    out.part = found->part;
+    out.part = found->part.value_or(KELP_NONE);
     out.level = found->level;
     return writeStruct(out, answer);
   });
@@ -68,16 +63,16 @@ kelp_result kelp_closest_point(const kelp_instance* instances, uint32_t count, c
     out.distance = found->distance;
     put(found->point, out.point);
     out.instance = found->instance;
-    out.part = found->part;
+    out.part = found->part.value_or(KELP_NONE);
     out.ran_out = found->ran_out;
     return writeStruct(out, answer);
   });
 }
 
 kelp_result kelp_overlaps_sphere(const kelp_instance* instances, uint32_t count, const kelp_box* boxes,
-                                 const float centre[3], float radius, int32_t* instance) {
-  if (!centre) return nullPointer();
-  return overlapsShape(instances, count, boxes, kelp::runtime::Sphere{vec3At(centre), radius}, instance);
+                                 const float center[3], float radius, int32_t* instance) {
+  if (!center) return nullPointer();
+  return overlapsShape(instances, count, boxes, kelp::runtime::Sphere{vec3At(center), radius}, instance);
 }
 
 kelp_result kelp_overlaps_capsule(const kelp_instance* instances, uint32_t count, const kelp_box* boxes,
@@ -88,11 +83,11 @@ kelp_result kelp_overlaps_capsule(const kelp_instance* instances, uint32_t count
 }
 
 kelp_result kelp_overlaps_box(const kelp_instance* instances, uint32_t count, const kelp_box* boxes,
-                              const float centre[3], const float half_size[3], const float rotation[4],
+                              const float center[3], const float half_size[3], const float rotation[4],
                               int32_t* instance) {
-  if (!centre || !half_size || !rotation) return nullPointer();
+  if (!center || !half_size || !rotation) return nullPointer();
   return overlapsShape(instances, count, boxes,
-                       kelp::runtime::OrientedBox{vec3At(centre), vec3At(half_size), quatAt(rotation)},
+                       kelp::runtime::OrientedBox{vec3At(center), vec3At(half_size), quatAt(rotation)},
                        instance);
 }
 
@@ -107,10 +102,10 @@ kelp_result kelp_sphere_cast(const kelp_instance* instances, uint32_t count, con
     kelp_sphere_cast_answer out = {};
     out.hit = cast->hit;
     out.t = cast->t;
-    put(cast->centre, out.centre);
+    put(cast->center, out.center);
     put(cast->away, out.away);
     out.instance = cast->instance;
-    out.part = cast->part;
+    out.part = cast->part.value_or(KELP_NONE);
     out.ran_out = cast->ran_out;
     return writeStruct(out, answer);
   });

@@ -3,6 +3,18 @@
 
 #include "instance_list.h"
 
+namespace kelp::c {
+namespace {
+
+kelp_result putMatrix(const Result<glm::mat4>& result, float* matrix) {
+  if (!result) return fail(result.error());
+  put(*result, matrix);
+  return KELP_OK;
+}
+
+}  // namespace
+}  // namespace kelp::c
+
 using namespace kelp::c;
 using kelp::runtime::Instance;
 
@@ -27,26 +39,23 @@ kelp_result kelp_instance_get_bounds(const kelp_instance* instance, kelp_box* bo
 
 kelp_result kelp_instance_part_to_world(const kelp_instance* instance, int32_t part, float matrix[16]) {
   if (!matrix) return nullPointer();
-  return withPart(instance, part, [=](const Instance& of) {
-    put(partToWorld(of, part), matrix);
-    return kelp_result{KELP_OK};
-  });
+  return withInstance(instance, [=](const Instance& of) { return putMatrix(partToWorld(of, part), matrix); });
 }
 
 kelp_result kelp_instance_parts_to_world(const kelp_instance* instance, float* matrices, uint32_t count) {
   if (!matrices && count > 0) return nullPointer();
   return withInstance(instance, [=](const Instance& of) {
-    if (count > of.asset->pack().parts().size()) return misuse("there are more matrices than parts");
-    partsToWorld(of, {reinterpret_cast<glm::mat4*>(matrices), count});
-    return kelp_result{KELP_OK};
+    return answer(partsToWorld(of, {reinterpret_cast<glm::mat4*>(matrices), count}));
   });
 }
 
 kelp_result kelp_instance_to_world(const kelp_instance* instance, int32_t part, const float rest[3],
                                    float world[3]) {
   if (!rest || !world) return nullPointer();
-  return withPart(instance, part, [=](const Instance& of) {
-    put(toWorld(of, part, vec3At(rest)), world);
+  return withInstance(instance, [=](const Instance& of) {
+    const kelp::Result<glm::vec3> point = toWorld(of, part, vec3At(rest));
+    if (!point) return fail(point.error());
+    put(*point, world);
     return kelp_result{KELP_OK};
   });
 }
@@ -65,20 +74,14 @@ kelp_result kelp_instance_to_rest(const kelp_instance* instance, int32_t part, c
 kelp_result kelp_instance_frame_at(const kelp_instance* instance, int32_t part, const float rest[3],
                                    float matrix[16]) {
   if (!rest || !matrix) return nullPointer();
-  return withPart(instance, part, [=](const Instance& of) {
-    put(frameAt(of, part, vec3At(rest)), matrix);
-    return kelp_result{KELP_OK};
-  });
+  return withInstance(instance,
+                      [=](const Instance& of) { return putMatrix(frameAt(of, part, vec3At(rest)), matrix); });
 }
 
 kelp_result kelp_instance_socket_to_world(const kelp_instance* instance, int32_t socket, float matrix[16]) {
   if (!matrix) return nullPointer();
-  return withInstance(instance, [=](const Instance& of) {
-    if (socket < 0 || static_cast<std::size_t>(socket) >= of.asset->pack().sockets().size())
-      return misuse("there is no such socket");
-    put(socketToWorld(of, socket), matrix);
-    return kelp_result{KELP_OK};
-  });
+  return withInstance(instance,
+                      [=](const Instance& of) { return putMatrix(socketToWorld(of, socket), matrix); });
 }
 
 kelp_result kelp_raycast(const kelp_instance* instances, uint32_t count, const float origin[3],

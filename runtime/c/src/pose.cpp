@@ -120,9 +120,7 @@ kelp_result kelp_pose_reset(kelp_pose pose) {
 }
 
 kelp_result kelp_pose_assign(kelp_pose pose, kelp_pose other) {
-  return withPoses(pose, other, [](Pose& to, const Pose& from) {
-    return to.assign(from) ? kelp_result{KELP_OK} : misuse("the poses differ in parts or knots");
-  });
+  return withPoses(pose, other, [](Pose& to, const Pose& from) { return answer(to.assign(from)); });
 }
 
 kelp_result kelp_pose_blend(kelp_pose pose, kelp_pose to, float weight, const float* part_weights,

@@ -29,6 +29,12 @@ kelp_result withAsset(kelp_asset asset, const Call& call) {
   return object ? call(*object->asset) : object.bad();
 }
 
+kelp_result checkFeatures(kelp_features features) {
+  constexpr kelp_features kAll =
+      KELP_FEATURE_SECONDARY_RAYS | KELP_FEATURE_DISTANCES | KELP_FEATURE_GRADIENT_ONLY;
+  return features & ~kAll ? misuse("there is no such feature") : kelp_result{KELP_OK};
+}
+
 // stats may be null.
 kelp_result checkStats(const kelp_stats* stats) { return stats ? checkStruct(stats) : kelp_result{KELP_OK}; }
 kelp_result answerStats(const Result<gl::Stats>& result, kelp_stats* stats) {
@@ -58,35 +64,32 @@ kelp_result answerStats(const Result<gl::Stats>& result, kelp_stats* stats) {
 using namespace kelp::c;
 using kelp::gl::Renderer;
 
-kelp_result kelp_renderer_config_defaults(kelp_renderer_config* config) {
-  if (const kelp_result bad = checkStruct(config)) return bad;
-  const kelp::gl::Config defaults;
-  kelp_renderer_config out = {};
+kelp_result kelp_renderer_options_defaults(kelp_renderer_options* options) {
+  if (const kelp_result bad = checkStruct(options)) return bad;
+  const kelp::gl::RendererOptions defaults;
+  kelp_renderer_options out = {};
   out.state = static_cast<kelp_state>(defaults.state);
   out.gpu_budget = defaults.gpu_budget;
-  out.secondary_rays = defaults.secondary_rays;
-  out.distances = defaults.distances;
-  out.gradient_only = defaults.gradient_only;
-  return writeStruct(out, config);
+  out.features = static_cast<kelp_features>(defaults.features);
+  return writeStruct(out, options);
 }
 
-kelp_result kelp_renderer_create(const kelp_renderer_config* config, kelp_renderer* renderer) {
+kelp_result kelp_renderer_create(const kelp_renderer_options* options, kelp_renderer* renderer) {
   if (!renderer) return nullPointer();
-  kelp_renderer_config read;
-  if (const kelp_result bad = readStruct(config, read)) return bad;
+  kelp_renderer_options read;
+  if (const kelp_result bad = readStruct(options, read)) return bad;
   if (!read.get_proc_address) return nullPointer();
   if (read.state != KELP_STATE_RESTORE && read.state != KELP_STATE_LEAVE)
     return misuse("there is no such state");
-  kelp::gl::Config to;
+  if (const kelp_result bad = checkFeatures(read.features)) return bad;
+  kelp::gl::RendererOptions to;
   if (const kelp_result bad = readAllocator(read.allocator, to.allocator)) return bad;
   to.getProcAddress = read.get_proc_address;
   to.user = read.user;
   to.gpu_budget = read.gpu_budget;
   to.state = toEnum<kelp::gl::State>(read.state);
   to.surface_glsl = read.surface_glsl;
-  to.secondary_rays = read.secondary_rays != 0;
-  to.distances = read.distances != 0;
-  to.gradient_only = read.gradient_only != 0;
+  to.features = static_cast<kelp::gl::Features>(read.features);
   to.log = read.log;
   auto* const object = makeObject<RendererObject>(to.allocator);
   if (!object) return noMemory();
@@ -143,7 +146,7 @@ kelp_result kelp_renderer_upload(kelp_renderer renderer, uint64_t max_bytes, kel
 kelp_result kelp_renderer_draw(kelp_renderer renderer, const kelp_view* view, const kelp_instance* instances,
                                uint32_t count, kelp_pass pass, kelp_stats* stats) {
   if (const kelp_result bad = checkStats(stats)) return bad;
-  if (pass < KELP_PASS_COLOUR || pass > KELP_PASS_FOG) return misuse("there is no such pass");
+  if (pass < KELP_PASS_COLOR || pass > KELP_PASS_FOG) return misuse("there is no such pass");
   return withRenderer(renderer, [=](Renderer& of) {
     kelp::gl::View read;
     InstanceList list;
@@ -177,10 +180,11 @@ kelp_result kelp_renderer_bind_trace(kelp_renderer renderer, uint32_t program, c
   });
 }
 
-kelp_result kelp_pool_bytes(kelp_asset asset, kelp_bool distances, uint64_t* bytes) {
+kelp_result kelp_pool_bytes(kelp_asset asset, kelp_features features, uint64_t* bytes) {
   if (!bytes) return nullPointer();
+  if (const kelp_result bad = checkFeatures(features)) return bad;
   return withAsset(asset, [=](const kelp::runtime::Asset& of) {
-    *bytes = kelp::gl::poolBytes(of, distances != 0);
+    *bytes = kelp::gl::poolBytes(of, static_cast<kelp::gl::Features>(features));
     return kelp_result{KELP_OK};
   });
 }
@@ -191,7 +195,7 @@ kelp_result kelp_level_at(const kelp_view* view, const kelp_instance* instance, 
   kelp::gl::View read;
   if (const kelp_result bad = readView(view, read)) return bad;
   return withInstance(instance, [&](const kelp::runtime::Instance& of) {
-    *level = kelp::gl::levelAt(read, of, part, {x, y});
+    *level = kelp::gl::levelAt(read, of, part, {x, y}).value_or(KELP_NONE);
     return kelp_result{KELP_OK};
   });
 }

@@ -32,21 +32,21 @@ kelp_result moveInWorld(kelp_spring spring, const kelp_instance* instance, std::
 using namespace kelp::c;
 using kelp::runtime::Spring;
 
-kelp_result kelp_spring_settings_defaults(kelp_spring_settings* settings) {
-  if (const kelp_result bad = checkStruct(settings)) return bad;
-  const kelp::runtime::SpringSettings defaults;
-  return writeStruct({0, defaults.frequency, defaults.damping, defaults.reach, defaults.rooted}, settings);
+kelp_result kelp_spring_options_defaults(kelp_spring_options* options) {
+  if (const kelp_result bad = checkStruct(options)) return bad;
+  const kelp::runtime::SpringOptions defaults;
+  return writeStruct({0, defaults.frequency, defaults.damping, defaults.reach, defaults.rooted}, options);
 }
 
-kelp_result kelp_spring_create(kelp_asset asset, const kelp_spring_settings* settings,
+kelp_result kelp_spring_create(kelp_asset asset, const kelp_spring_options* options,
                                const kelp_allocator* allocator, kelp_spring* spring) {
   const Pinned<AssetObject> of(asset.id);
   if (!of) return of.bad();
   if (!spring) return nullPointer();
-  kelp::runtime::SpringSettings set;
-  if (settings) {
-    kelp_spring_settings read;
-    if (const kelp_result bad = readStruct(settings, read)) return bad;
+  kelp::runtime::SpringOptions set;
+  if (options) {
+    kelp_spring_options read;
+    if (const kelp_result bad = readStruct(options, read)) return bad;
     set = {read.frequency, read.damping, read.reach, read.rooted != 0};
   }
   kelp::Allocator memory;

@@ -17,9 +17,8 @@ struct Projection {
 
 inline bool hasPixels(const View& view) { return view.camera.viewport.x > 0 && view.camera.viewport.y > 0; }
 
-// kMisuse for a view that draw() and bindTrace() cannot use. `look_is_plain`: the program has no secondary
-// rays. `gradient_only`: it has no other shading.
-Result<void> checkView(const View& view, bool look_is_plain, bool distances, bool gradient_only);
+// kMisuse for a view that draw() and bindTrace() cannot use. features: those of the program.
+Result<void> checkView(const View& view, Features features);
 // Whether the picture is shaded by distances.
 inline bool usesDistances(const Quality& quality) { return quality.soft_shadows > 0 || quality.occlusion; }
 

@@ -60,7 +60,7 @@ class FoundAssets {
 // Whether a part moves as a whole, by its motion or an ancestor's, or because it hangs on a spline.
 bool moves(const runtime::Pose& pose, std::span<const Part> parts, int part) {
   for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
-    if (!runtime::isRest(*pose.motion(i)) ||
+    if (*pose.motion(i) != runtime::Motion{} ||
         parts[static_cast<std::size_t>(i)].parent_at != Part::kNotOnSpline)
       return true;
   }
@@ -180,7 +180,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     if (instance.pose && moves(*instance.pose, parts, static_cast<int>(part))) {
       if (!std::exchange(is_moved, true)) {
         if (!grow(worlds_, parts.size())) return &kNoMemoryForFrame;
-        runtime::partsToWorld(instance, {worlds_.data(), parts.size()});
+        (void)runtime::partsToWorld(instance, {worlds_.data(), parts.size()});
       }
       moved_[i] = worlds_[part];
       posed.to_world[k] = &moved_[i];

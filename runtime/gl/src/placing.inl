@@ -90,20 +90,20 @@ void placeParts(const Projection& projection, const PosedParts& parts, int first
       clip[row][column].store(placed.to_clip[row][column].of + first);
   }
 
-  // A linear function over a box is greatest where every term is: its value at the centre, and |term| times
+  // A linear function over a box is greatest where every term is: its value at the center, and |term| times
   // half a side for each. The planes' functions are w + x, w - x and so on, and w itself. Roundings must not
   // make a part that is seen lie outside.
-  Floats centre[3], reach[4][3], at[4];
+  Floats center[3], reach[4][3], at[4];
   for (int axis = 0; axis < 3; ++axis) {
     const Floats low = lanesOf(placed.bounds.min[axis], first),
                  high = lanesOf(placed.bounds.max[axis], first);
-    centre[axis] = 0.5f * (low + high);
-    const Floats half = high - centre[axis];
+    center[axis] = 0.5f * (low + high);
+    const Floats half = high - center[axis];
     for (int row = 0; row < 4; ++row) reach[row][axis] = half * clip[row][axis];
   }
   for (int row = 0; row < 4; ++row)
     at[row] =
-        (clip[row][0] * centre[0] + clip[row][1] * centre[1]) + (clip[row][2] * centre[2] + clip[row][3]);
+        (clip[row][0] * center[0] + clip[row][1] * center[1]) + (clip[row][2] * center[2] + clip[row][3]);
   const Floats at_w = at[3], spread = abs(reach[3][0]) + abs(reach[3][1]) + abs(reach[3][2]);
   const Floats nearest = at_w - spread;
   Floats inside = at_w + spread + 2e-6f * (spread + abs(at_w));

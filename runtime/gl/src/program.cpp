@@ -94,11 +94,11 @@ Program locateLook(const Api& api, Name name) {
 }  // namespace
 
 // Without #line: in a host's shader the host numbers the strings.
-TraceStrings traceStrings(const Api& api, LookDefines defines) {
+TraceStrings traceStrings(const Api& api, Features features) {
   return {api.es ? KELP_ES_PRECISIONS : "",
-          defines.rays ? kRaysDefine : "",
-          defines.distances ? kDistancesDefine : "",
-          defines.gradient ? kGradientDefine : "",
+          has(features, Features::kSecondaryRays) ? kRaysDefine : "",
+          has(features, Features::kDistances) ? kDistancesDefine : "",
+          has(features, Features::kGradientOnly) ? kGradientDefine : "",
           shaders::kInstance,
           shaders::kSpline,
           shaders::kCurve,
@@ -106,7 +106,7 @@ TraceStrings traceStrings(const Api& api, LookDefines defines) {
           shaders::kArc,
           shaders::kSweepRecord,
           shaders::kSweep,
-          defines.distances ? shaders::kDistance : "",
+          has(features, Features::kDistances) ? shaders::kDistance : "",
           shaders::kSurface,
           shaders::kShading,
           shaders::kScene};
@@ -131,9 +131,11 @@ Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCo
   if (vertex) api.DeleteShader(vertex);
   if (fragment) api.DeleteShader(fragment);
   if (!vertex || !fragment)
-    return Error{ErrorCode::kGraphics, "a shader does not compile; Config::log got the compiler's message"};
+    return Error{ErrorCode::kGraphics,
+                 "a shader does not compile; RendererOptions::log got the compiler's message"};
   if (!name)
-    return Error{ErrorCode::kGraphics, "the shaders do not link; Config::log got the linker's message"};
+    return Error{ErrorCode::kGraphics,
+                 "the shaders do not link; RendererOptions::log got the linker's message"};
 
   const auto locate = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
   api.UseProgram(name);
@@ -154,23 +156,25 @@ Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCo
 
 }  // namespace
 
-Result<Program> buildProgram(const Api& api, const char* surface, LookDefines defines, Bend bend,
+Result<Program> buildProgram(const Api& api, const char* surface, Features features, Bend bend,
                              const LogSink& log) {
-  const char* const look = surface ? "#define KELP_HOST_SURFACE\n" : defines.rays ? kRaysDefine : "";
+  const char* const look = surface                                   ? "#define KELP_HOST_SURFACE\n"
+                           : has(features, Features::kSecondaryRays) ? kRaysDefine
+                                                                     : "";
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
   const char* const vertex_text[] = {prelude,         look, kInstanceLine, shaders::kInstance, kMainLine,
                                      shaders::kVertex};
   const char* const fragment_text[] = {
-      prelude, look, defines.gradient ? kGradientDefine : "",
+      prelude, look, has(features, Features::kGradientOnly) ? kGradientDefine : "",
       // Parts of either kind shade each other.
-      defines.distances      ? kDistancesDefine
-      : bend == Bend::kSweep ? kSweptDefine
-                             : kShearedDefine,
+      has(features, Features::kDistances) ? kDistancesDefine
+      : bend == Bend::kSweep              ? kSweptDefine
+                                          : kShearedDefine,
       kInstanceLine, shaders::kInstance, kSplineLine, shaders::kSpline, kCurveLine, shaders::kCurve,
       kTraceLine, shaders::kTrace, kArcLine, shaders::kArc, kSweepLine, shaders::kSweepRecord,
-      shaders::kSweep, kDistanceLine, defines.distances ? shaders::kDistance : "", kSurfaceLine,
-      shaders::kSurface, kHostLine, surface ? surface : "", kShadingLine, shaders::kShading, kPixelLine,
-      shaders::kPixel, kOutputLine, shaders::kOutput, kMainLine, shaders::kFragment};
+      shaders::kSweep, kDistanceLine, has(features, Features::kDistances) ? shaders::kDistance : "",
+      kSurfaceLine, shaders::kSurface, kHostLine, surface ? surface : "", kShadingLine, shaders::kShading,
+      kPixelLine, shaders::kPixel, kOutputLine, shaders::kOutput, kMainLine, shaders::kFragment};
   return build(api, vertex_text, fragment_text, "kelp program", log);
 }
 

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "gl_api.h"
-#include "kelp/formats/spline.h"
+#include "kelp/gl/renderer.h"
 
 namespace kelp::gl {
 
@@ -26,23 +26,16 @@ struct Program {
   std::int32_t display = -1, sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
 };
 
-// What kelp's own look and a host's may use.
-struct LookDefines {
-  bool rays = false;       // Config::secondary_rays
-  bool distances = false;  // Config::distances
-  bool gradient = false;   // Config::gradient_only
-};
-
 // Compiles, links and binds the program, and sets the units of its samplers. `surface`: the host's
 // kelpSurface. Null: kelp's own. For parts that bend so; where distances shade, for all.
-Result<Program> buildProgram(const Api& api, const char* surface, LookDefines defines, Bend bend,
+Result<Program> buildProgram(const Api& api, const char* surface, Features features, Bend bend,
                              const LogSink& log);
 // A program for fog that bends so: for parts that have heat too, or with the sun's shadow of fog on itself.
 Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const LogSink& log);
 
 // The text of kelp::gl::Renderer::traceGlsl().
 using TraceStrings = std::array<const char*, 15>;
-TraceStrings traceStrings(const Api& api, LookDefines defines);
+TraceStrings traceStrings(const Api& api, Features features);
 
 // The uniforms of a host's program that contains that text; -1: it does not use them.
 struct TraceProgram {

@@ -55,7 +55,7 @@ glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::
     (void)makeChain(packed, instance.pose, index, tolerance, scratch);
   if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
   const glm::mat4 rows(
-      glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
+      glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(*runtime::partToWorld(before, index))));
   std::memcpy(static_cast<void*>(out), &rows, sizeof rows);
   out += kMotionTexels;
   if (swept) {

@@ -60,24 +60,22 @@ void setLook(const Api& api, const Program& program, const View& view) {
 }  // namespace
 
 struct Renderer::Impl {
-  Impl(const Config& config, const Api& loaded)
+  Impl(const RendererOptions& options, const Api& loaded)
       : api(loaded),
-        log{config.log, config.user},
-        restore(config.state == State::kRestore),
-        look_is_plain(!config.surface_glsl && !config.secondary_rays),
-        surface(config.allocator),
-        defines{config.secondary_rays, config.distances, config.gradient_only},
-        store(config.allocator, config.distances),
-        list(config.allocator, log),
-        traced(config.allocator, log) {}
+        log{options.log, options.user},
+        restore(options.state == State::kRestore),
+        features(options.features),
+        surface(options.allocator),
+        store(options.allocator, has(options.features, Features::kDistances)),
+        list(options.allocator, log),
+        traced(options.allocator, log) {}
 
   Api api;
   LogSink log;
   bool restore;
-  bool look_is_plain;  // casts no rays
+  Features features;
   bool abandoned = false;
-  Buffer<char> surface;  // a copy of Config::surface_glsl; empty: kelp's own look
-  LookDefines defines;
+  Buffer<char> surface;            // a copy of RendererOptions::surface_glsl; empty: kelp's own look
   Program program, swept_program;  // the latter once a part is swept; with distances one is for all
   Program fog_programs[8];         // fogProgram(); those that assets need
   Name vertex_array = 0;
@@ -91,8 +89,10 @@ struct Renderer::Impl {
   DrawList traced;  // of the last bindTrace()
   TraceStrings trace_strings{};
 
+  // A host's surface may cast rays without the feature.
+  bool castsRays() const { return has(features, Features::kSecondaryRays) || !surface.empty(); }
   Result<void> check(const View& view) const {
-    return checkView(view, look_is_plain, defines.distances, defines.gradient);
+    return checkView(view, castsRays() ? features | Features::kSecondaryRays : features);
   }
   void setState(const Program& used, const View& view, Pass pass, Name scene_depth) const;
   Result<void> prepare(std::span<const Part> parts);
@@ -128,8 +128,9 @@ void Renderer::Impl::setState(const Program& used, const View& view, Pass pass, 
 // Compiles the programs that fog and swept parts need. Within a DrawGuard.
 Result<void> Renderer::Impl::prepare(std::span<const Part> parts) {
   for (const Part& part : parts) {
-    if (part.bend == Bend::kSweep && !part.fog && !defines.distances && swept_program.name == 0) {
-      const auto built = buildProgram(api, surface.data(), defines, Bend::kSweep, log);
+    if (part.bend == Bend::kSweep && !part.fog && !has(features, Features::kDistances) &&
+        swept_program.name == 0) {
+      const auto built = buildProgram(api, surface.data(), features, Bend::kSweep, log);
       if (!built) return built.error();
       swept_program = *built;
     }
@@ -137,7 +138,7 @@ Result<void> Renderer::Impl::prepare(std::span<const Part> parts) {
     const bool heat = part.fog->channels() > 1;
     for (const bool shadow : {false, true}) {
       Program& fog_program = fog_programs[fogProgram(part.bend, heat, shadow)];
-      if (fog_program.name != 0 || (shadow && look_is_plain)) continue;
+      if (fog_program.name != 0 || (shadow && !castsRays())) continue;
       const auto built = buildFogProgram(api, part.bend, heat, shadow, log);
       if (!built) return built.error();
       fog_program = *built;
@@ -178,11 +179,11 @@ std::uint32_t Renderer::Impl::drawFog(const View& view, Name scene_depth) const 
 
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
-Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
-  if (!config.getProcAddress) return Error{ErrorCode::kMisuse, "Config::getProcAddress is null"};
+Result<std::unique_ptr<Renderer>> Renderer::create(const RendererOptions& options) {
+  if (!options.getProcAddress) return Error{ErrorCode::kMisuse, "RendererOptions::getProcAddress is null"};
   Api api;
-  if (auto good = loadApi(config.getProcAddress, config.user, api); !good) return good.error();
-  std::unique_ptr<Impl> impl(new (std::nothrow) Impl(config, api));
+  if (auto good = loadApi(options.getProcAddress, options.user, api); !good) return good.error();
+  std::unique_ptr<Impl> impl(new (std::nothrow) Impl(options, api));
   if (!impl) return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
   std::unique_ptr<Renderer> renderer(new (std::nothrow) Renderer(std::move(impl)));
   if (!renderer) return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
@@ -191,18 +192,18 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   const DebugGroup group(self.api, "kelp create");
   const UploadGuard upload(self.api, self.restore);
   const DrawGuard guard(self.api, self.restore);
-  if (const char* const text = config.surface_glsl) {
+  if (const char* const text = options.surface_glsl) {
     if (!self.surface.reset(std::strlen(text) + 1))
       return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
     std::memcpy(self.surface.data(), text, self.surface.size());
   }
-  if (auto good = self.store.create(self.api, config.gpu_budget); !good) return good.error();
-  auto program = buildProgram(self.api, self.surface.data(), self.defines, Bend::kShear, self.log);
+  if (auto good = self.store.create(self.api, options.gpu_budget); !good) return good.error();
+  auto program = buildProgram(self.api, self.surface.data(), self.features, Bend::kShear, self.log);
   if (!program) return program.error();
   self.program = *program;
-  self.trace_strings = traceStrings(self.api, self.defines);
+  self.trace_strings = traceStrings(self.api, self.features);
   self.api.GenVertexArrays(1, &self.vertex_array);
-  self.api.BindVertexArray(self.vertex_array);  // only then the name is an object that can be labelled
+  self.api.BindVertexArray(self.vertex_array);  // only then the name is an object that can be labeled
   label(self.api, kLabelVertexArray, self.vertex_array, "kelp without vertices");
   self.api.GenSamplers(1, &self.sampler);
   self.api.BindSampler(0, self.sampler);
@@ -266,7 +267,7 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
   return stats;
 }
 
-Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance> instances, Pass pass) {
+Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pass pass) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
   if (auto good = self.check(view); !good) return good.error();
@@ -298,7 +299,8 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
     if (auto good = uploadRecords(self.api, self.records, self.list.records()); !good) return good.error();
   }
   const DrawGuard guard(self.api, self.restore);
-  const std::uint32_t all = self.list.parts(), sheared = self.defines.distances ? all : self.list.sheared();
+  const std::uint32_t all = self.list.parts(),
+                      sheared = has(self.features, Features::kDistances) ? all : self.list.sheared();
   if (fog) {
     stats.draws = self.drawFog(view, scene_depth);
   } else {
@@ -319,7 +321,7 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
 std::span<const char* const> Renderer::traceGlsl() const { return impl_->trace_strings; }
 
 Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view,
-                                  std::span<const runtime::Instance> instances, int first_unit) {
+                                  runtime::Instances instances, int first_unit) {
   Impl& self = *impl_;
   const Api& api = self.api;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};

@@ -168,11 +168,12 @@ Result<std::unique_ptr<ResidentAsset>> describe(const runtime::Asset& asset, boo
   return fresh;
 }
 
-std::uint64_t poolBytes(const runtime::Asset& asset, bool distances) {
+std::uint64_t poolBytes(const runtime::Asset& asset, Features features) {
   const std::span<const Part> parts = asset.pack().parts();
   std::uint64_t rows = 0, table_words = kPaletteWords * asset.pack().palette().size();
   for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
-    const int fields = distanceLevelsOf(asset, static_cast<std::size_t>(p), distances);
+    const int fields =
+        distanceLevelsOf(asset, static_cast<std::size_t>(p), has(features, Features::kDistances));
     table_words += tableWords(parts[static_cast<std::size_t>(p)], fields);
     for (int l = 0; l < fields; ++l) {
       const runtime::DistanceLevel* level = asset.distances(p, l);

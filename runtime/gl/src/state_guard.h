@@ -32,7 +32,7 @@ class UploadGuard {
 };
 
 // What compiling and drawing change: program, vertex array, texture units, depth, culling, blending, polygon
-// mode, colour mask.
+// mode, color mask.
 class DrawGuard {
  public:
   DrawGuard(const Api& api, bool restore);
@@ -73,7 +73,7 @@ class BlendGuard {
   const Api& api_;
   bool restore_;
   std::int32_t equations_[2] = {};
-  std::int32_t factors_[4] = {};  // source and destination of colour, then of alpha
+  std::int32_t factors_[4] = {};  // source and destination of color, then of alpha
 };
 
 }  // namespace kelp::gl

@@ -25,7 +25,7 @@ bool isGood(const Quality& quality) {
 
 }  // namespace
 
-Result<void> checkView(const View& view, bool look_is_plain, bool distances, bool gradient_only) {
+Result<void> checkView(const View& view, Features features) {
   const Camera& camera = view.camera;
   if (camera.viewport.x < 0 || camera.viewport.y < 0 || camera.clip_range > ClipRange::kZeroToOne ||
       view.output > Output::kDisplay)
@@ -36,25 +36,28 @@ Result<void> checkView(const View& view, bool look_is_plain, bool distances, boo
     return Error{ErrorCode::kMisuse,
                  "the quality has a negative number, an unknown shading, more than 16 occlusion rays, "
                  "soft_shadows above 20 degrees, or depth_batches outside 1 .. 16"};
-  if (!distances && usesDistances(view.quality))
-    return Error{ErrorCode::kMisuse, "soft_shadows and occlusion need Config::distances"};
-  if (look_is_plain && (view.quality.self_shadow || view.quality.occlusion_rays > 0))
-    return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays need Config::secondary_rays"};
-  if (gradient_only && view.quality.shading != Shading::kGradient)
-    return Error{ErrorCode::kMisuse, "Config::gradient_only leaves kFaces and kSmooth out"};
+  if (!has(features, Features::kDistances) && usesDistances(view.quality))
+    return Error{ErrorCode::kMisuse, "soft_shadows and occlusion need Features::kDistances"};
+  if (!has(features, Features::kSecondaryRays) &&
+      (view.quality.self_shadow || view.quality.occlusion_rays > 0))
+    return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays need Features::kSecondaryRays"};
+  if (has(features, Features::kGradientOnly) && view.quality.shading != Shading::kGradient)
+    return Error{ErrorCode::kMisuse, "Features::kGradientOnly leaves kFaces and kSmooth out"};
   return {};
 }
 
-int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel) {
-  if (!checkView(view, false, true, false) || !hasPixels(view)) return -1;
+std::optional<int> levelAt(const View& view, const runtime::Instance& instance, int part,
+                           const glm::ivec2& pixel) {
+  if (!checkView(view, Features::kSecondaryRays | Features::kDistances) || !hasPixels(view))
+    return std::nullopt;
   const auto projection = makeProjection(view);
   if (!projection || !instance.asset || part < 0 ||
       static_cast<std::size_t>(part) >= instance.asset->pack().parts().size())
-    return -1;
+    return std::nullopt;
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
   const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : of.knots;
-  if (knots.size() != of.knots.size()) return -1;
-  const glm::mat4 to_world = runtime::partToWorld(instance, part);
+  if (knots.size() != of.knots.size()) return std::nullopt;
+  const glm::mat4 to_world = *runtime::partToWorld(instance, part);
   constexpr glm::mat4x3 kSame(1);
   const glm::vec4 extent(glm::vec3(of.size), static_cast<float>(of.levels));
   PosedParts parts;
@@ -74,13 +77,14 @@ int levelAt(const View& view, const runtime::Instance& instance, int part, const
     ArcChain chain;
     float tolerance;
     const float roll = rollOf(of, instance.pose, part);
-    if (!makeDrawnArcs(knots, of.kind, of.size, roll, judged.level.of[0], chain, tolerance)) return -1;
+    if (!makeDrawnArcs(knots, of.kind, of.size, roll, judged.level.of[0], chain, tolerance))
+      return std::nullopt;
     boundAll(chain.bounds);
   } else {
-    if (!boundParts(parts, placed)) return -1;
+    if (!boundParts(parts, placed)) return std::nullopt;
     placeParts(*projection, parts, placed);
   }
-  if (!placed.invertible) return -1;
+  if (!placed.invertible) return std::nullopt;
   const Detail detail = detailAt(view, placed.pixels.of[0], of.levels);
   return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);
 }

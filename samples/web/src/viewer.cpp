@@ -19,7 +19,7 @@ constexpr std::uint64_t kUploadBytes = 4ull << 20;  // a frame
 constexpr std::uint64_t kMemory = 192ull << 20;     // of grids and pages
 constexpr float kFieldOfView = 35.0f;               // degrees, vertical; as kelp-render
 constexpr float kMargin = 0.85f;                    // of the picture that the model at rest may fill
-constexpr runtime::SpringSettings kSprings{.frequency = 0.9f, .damping = 0.16f, .reach = 0.7f};
+constexpr runtime::SpringOptions kSprings{.frequency = 0.9f, .damping = 0.16f, .reach = 0.7f};
 
 // What a page may be asked for. A pack that claims more is refused.
 Limits pageLimits() {
@@ -47,11 +47,11 @@ void Viewer::tell(const char* what, const Error& error) {
 }
 
 bool Viewer::start() {
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = [](void*, const char* name) { return emscripten_webgl_get_proc_address(name); };
   config.gpu_budget = gpu_bytes_;
   config.state = gl::State::kLeave;
-  config.gradient_only = true;  // the first picture comes sooner
+  config.features = gl::Features::kGradientOnly;  // the first picture comes sooner
   config.user = this;
   config.log = [](void*, const char* text) { emscripten_log(EM_LOG_CONSOLE, "%s", text); };
   auto renderer = gl::Renderer::create(config);
@@ -252,8 +252,8 @@ std::optional<runtime::Hit> Viewer::pick(const glm::vec2& at) {
   const std::optional<runtime::Hit> hit = raycast(instance(), ray, 2);
   if (!hit) return hit;
   const glm::vec2 place = (0.5f * at + 0.5f) * glm::vec2(pixels_);
-  const int level = gl::levelAt(view_, instance(), hit->part, glm::ivec2(place));
-  const std::optional<runtime::Hit> exact = raycast(instance(), ray, std::max(level, 0));
+  const int level = gl::levelAt(view_, instance(), hit->part, glm::ivec2(place)).value_or(0);
+  const std::optional<runtime::Hit> exact = raycast(instance(), ray, level);
   return exact ? exact : hit;
 }
 

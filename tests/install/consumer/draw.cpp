@@ -63,7 +63,7 @@ int run(const char* path) {
   if (!asset) return fail(path, asset.error());
   auto pose = kelp::runtime::Pose::create(**asset);
   if (!pose) return fail(path, pose.error());
-  kelp::gl::Config config;
+  kelp::gl::RendererOptions config;
   config.getProcAddress = getProcAddress;
   const auto renderer = kelp::gl::Renderer::create(config);
   if (!renderer) return fail("renderer", renderer.error());
@@ -90,7 +90,7 @@ int run(const char* path) {
     if (const auto added = addClip(**asset, 0, seconds, 1, *pose); !added) return fail(path, added.error());
     if (const auto sent = (*renderer)->upload(1 << 20); !sent) return fail(path, sent.error());
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    const auto drawn = (*renderer)->draw(view, {&instance, 1});
+    const auto drawn = (*renderer)->draw(view, instance);
     if (!drawn) return fail(path, drawn.error());
     expect(drawn->instances == 1 && drawn->pending == 0, "the instance is drawn, and nothing waits");
     if (seconds > 0) beside = pixel(kSide / 2 + 28, kSide / 2 + 10);

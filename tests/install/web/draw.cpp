@@ -25,7 +25,7 @@ int main(int count, char** words) {
   const EMSCRIPTEN_WEBGL_CONTEXT_HANDLE context = emscripten_webgl_create_context("#canvas", &attributes);
   if (context <= 0) return std::fputs("draw: no WebGL 2 here\n", stderr), 4;
   emscripten_webgl_make_context_current(context);
-  kelp::gl::Config config;
+  kelp::gl::RendererOptions config;
   config.getProcAddress = [](void*, const char* name) { return emscripten_webgl_get_proc_address(name); };
   const auto renderer = kelp::gl::Renderer::create(config);
   if (!renderer) return std::fprintf(stderr, "draw: %s\n", renderer.error().detail), 4;
@@ -33,6 +33,6 @@ int main(int count, char** words) {
   const kelp::runtime::Instance instance{&**asset, &*pose};
   kelp::gl::View view;
   view.camera.viewport = {300, 150};  // of a canvas that says nothing else
-  const auto drawn = (*renderer)->draw(view, {&instance, 1});
+  const auto drawn = (*renderer)->draw(view, instance);
   return drawn ? 0 : 4;
 }

@@ -30,7 +30,7 @@ class Sections {
   };
 
   Sections(const runtime::Instance& instance, int index, const Part& part)
-      : instance_(instance), index_(index), part_(part), to_world_(partToWorld(instance, index)) {
+      : instance_(instance), index_(index), part_(part), to_world_(partToWorld(instance, index).value()) {
     // The pose was checked.
     if (part.bend == Bend::kSweep)
       (void)makeArcs(instance.pose->knots(index), part.size, part.roll + instance.pose->motion(index)->roll,
@@ -39,7 +39,7 @@ class Sections {
 
   Section at(float height) const {
     if (part_.bend == Bend::kShear)
-      return {toWorld(instance_, index_, part_.to_object * glm::vec4(0, height, 0, 1)), to_world_[0],
+      return {toWorld(instance_, index_, part_.to_object * glm::vec4(0, height, 0, 1)).value(), to_world_[0],
               to_world_[2]};
     const glm::mat4x3 in_part = sectionAt(chain_, height);
     const glm::mat4x3 in_world(to_world_ * glm::mat4(in_part));

@@ -18,15 +18,16 @@ class KelpDrawer final : public Drawer {
  public:
   KelpDrawer(const Options& options, const ViewStyle& style, const Scene& scene, bool es)
       : colors_(style.colors), es_(es), slice_(options.view == ViewKind::kDistance) {
-    gl::Config config;
+    gl::RendererOptions config;
     config.getProcAddress = HeadlessContext::getProcAddress;
     config.surface_glsl = style.surface.empty() ? nullptr : style.surface.c_str();
-    config.secondary_rays = (options.shadows && options.soft_shadows == 0) || options.occlusion > 0;
-    config.distances = slice_ || options.shadesByDistances();
+    if ((options.shadows && options.soft_shadows == 0) || options.occlusion > 0)
+      config.features = gl::Features::kSecondaryRays;
+    if (slice_ || options.shadesByDistances()) config.features = config.features | gl::Features::kDistances;
     config.log = [](void*, const char* text) { std::fputs(text, stderr); };
     // Room for every voxel, in whole layers of 4 MiB: a picture has no frame rate to keep.
     config.gpu_budget = std::uint64_t{8} << 20;
-    for (const auto& [key, pack] : scene.packs()) config.gpu_budget += gl::poolBytes(*pack, config.distances);
+    for (const auto& [key, pack] : scene.packs()) config.gpu_budget += gl::poolBytes(*pack, config.features);
     renderer_ = checkPack("OpenGL", gl::Renderer::create(config));
     for (const auto& [key, pack] : scene.packs()) checkPack(key.path, renderer_->add(*pack));
     checkPack("OpenGL", renderer_->upload(~std::uint64_t{0}));

@@ -64,7 +64,7 @@ struct PosedPart {
         part(&posed.asset->pack().parts()[static_cast<std::size_t>(p)]),
         knots(posed.pose->knots(p)),
         bounds(deformedBounds(knots, part->size)),
-        to_world(partToWorld(posed, p)),
+        to_world(partToWorld(posed, p).value()),
         to_clip(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye) * to_world) {}
 
   // What the bounds cover of the picture: low x, low y, high x, high y in clip space.

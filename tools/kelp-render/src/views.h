@@ -10,7 +10,7 @@
 namespace kelp::render {
 
 struct ViewStyle {
-  std::string surface;    // GLSL for kelp::gl::Config::surface_glsl; empty: kelp's own look
+  std::string surface;    // GLSL for kelp::gl::RendererOptions::surface_glsl; empty: kelp's own look
   bool colors = false;    // linear colour, to be encoded as sRGB; else plain numbers
   Background background;  // unless --background says otherwise
 };

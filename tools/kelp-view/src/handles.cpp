@@ -40,7 +40,7 @@ glm::vec3 position(const Model& model, const Handle& handle) {
   const Knot& knot = model.knot(handle.part, handle.knot);
   const glm::vec3 reach =
       handle.kind == Handle::Kind::kTangent ? tangentShare(of) * knot.tangent : glm::vec3(0);
-  return glm::vec3(partToWorld(model.instance(), handle.part) *
+  return glm::vec3(partToWorld(model.instance(), handle.part).value() *
                    glm::vec4(middle(of) + height(of) * (knot.position + reach), 1));
 }
 
@@ -59,7 +59,7 @@ std::optional<Handle> pick(const Model& model, const OrbitCamera& camera, const 
 glm::vec3 pullTo(const Model& model, const Handle& handle, const OrbitCamera& camera,
                  const glm::vec2& mouse) {
   const Part& of = part(model, handle.part);
-  const glm::mat4 to_part = glm::inverse(partToWorld(model.instance(), handle.part));
+  const glm::mat4 to_part = glm::inverse(partToWorld(model.instance(), handle.part).value());
   const glm::vec3 target =
       (glm::vec3(to_part * glm::vec4(camera.dragTo(position(model, handle), mouse), 1)) - middle(of)) /
       height(of);
@@ -84,14 +84,14 @@ glm::mat4 socketFrame(const Model& model, const RawSocket& socket) {
   const glm::vec3 voxel =
       0.5f * size * glm::vec3(1, 0, 1) + size.y * glm::vec3(socket.offset.x, socket.at, socket.offset.y);
   const glm::mat4 frame =
-      frameAt(model.instance(), static_cast<int>(socket.part), part.to_object * glm::vec4(voxel, 1));
+      frameAt(model.instance(), static_cast<int>(socket.part), part.to_object * glm::vec4(voxel, 1)).value();
   return frame * glm::mat4_cast(socket.rotation);
 }
 
 std::vector<glm::vec3> splineOf(const Model& model, int index) {
   constexpr int kSteps = 24;  // of a segment
   const Part& of = part(model, index);
-  const glm::mat4 to_world = partToWorld(model.instance(), index);
+  const glm::mat4 to_world = partToWorld(model.instance(), index).value();
   std::vector<glm::vec3> points;
   for (int k = 0; k + 1 < static_cast<int>(of.knots.size()); ++k) {
     const Segment segment = makeSegment(model.knot(index, k), model.knot(index, k + 1), height(of));

@@ -28,7 +28,7 @@ glm::u8vec3 mixed(const glm::u8vec3& color, const glm::vec3& other, float share)
 glm::vec3 pivotOf(const Model& model, int part) {
   const Part& of = partOf(model, part);
   const glm::mat4 to_part = glm::inverse(glm::mat4(of.to_object));
-  return glm::vec3(partToWorld(model.instance(), part) * (to_part * glm::vec4(of.pivot[3], 1)));
+  return glm::vec3(partToWorld(model.instance(), part).value() * (to_part * glm::vec4(of.pivot[3], 1)));
 }
 
 glm::vec3 nearestOn(const glm::vec3& a, const glm::vec3& b, const glm::vec3& to) {

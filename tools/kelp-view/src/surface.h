@@ -7,7 +7,7 @@
 
 namespace kelp::view {
 
-// All except kShaded and kDistances are surface functions of kelp-view (gl::Config::surface_glsl).
+// All except kShaded and kDistances are surface functions of kelp-view (gl::RendererOptions::surface_glsl).
 // kDistances: not of surfaces, but on a slice through the middle of the view. kParts and kFit: each part has
 // one colour, its own, or that of how closely it follows its skin.
 enum class Surface { kShaded, kNormals, kLevels, kSteps, kDistances, kParts, kFit, kCount };

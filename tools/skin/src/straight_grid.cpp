@@ -33,10 +33,10 @@ class BindPose {
   bool inPart(std::uint64_t index, glm::ivec3& voxel) const {
     const glm::dmat3 axes = linearOf(place_);
     const glm::dvec3 centre = glm::dvec3(voxelAt(whole_.size, index)) + 0.5;
-    glm::vec3 rest;
-    if (!unsweepPoint(sweep_.arcs, sweep_.size, glm::vec3(glm::transpose(axes) * (centre - place_[3])), rest))
-      return false;
-    voxel = glm::ivec3(glm::floor(rest));
+    const auto rest =
+        unsweepPoint(sweep_.arcs, sweep_.size, glm::vec3(glm::transpose(axes) * (centre - place_[3])));
+    if (!rest) return false;
+    voxel = glm::ivec3(glm::floor(*rest));
     return glm::all(glm::greaterThanEqual(voxel, glm::ivec3(0))) &&
            glm::all(glm::lessThan(voxel, sweep_.size));
   }

@@ -172,9 +172,9 @@ glm::dvec3 SkinSweep::toPart(const glm::dvec3& at) const {
 }
 
 glm::vec3 SkinSweep::straightened(const glm::dvec3& at) const {
-  glm::vec3 rest;
   const glm::vec3 point(at);
-  if (unsweepPoint(arcs, size, point, rest)) return rest;
+  if (const auto inside = unsweepPoint(arcs, size, point)) return *inside;
+  glm::vec3 rest;
   float nearest = std::numeric_limits<float>::infinity();
   constexpr int kSections = 64;
   for (int i = 0; i <= kSections; ++i) {

@@ -24,7 +24,7 @@
 // Clearance: the exact Euclidean distance between the brick's closed 8 x 8 x 8 cube and the closed cube of
 // the nearest solid voxel, in voxels of the level. Boxes may reach beyond the volume, where nothing is solid.
 // Surface voxels of level 0 are the solid voxels with an empty voxel, or the outside of the volume, among
-// their 26 neighbours. At coarser levels they are the voxels above a surface voxel.
+// their 26 neighbors. At coarser levels they are the voxels above a surface voxel.
 #pragma once
 
 #include <cstdint>
@@ -99,7 +99,7 @@ std::uint64_t mortonCode(const glm::ivec3& brick);
 // A unit normal as 24 bits: octahedral around +y, with u (for x) in bits 0..11 and v (for z) in bits 12..23.
 // Every value of the 24 bits can be decoded:
 //   x = (min(u, 4094) - 2047) / 2047, z likewise from v, y = 1 - |x| - |z|, f = max(-y, 0),
-//   x -= x >= 0 ? f : -f, z -= z >= 0 ? f : -f, then (x, y, z) is normalised.
+//   x -= x >= 0 ? f : -f, z -= z >= 0 ? f : -f, then (x, y, z) is normalized.
 // encodeNormal returns the nearest representable normal whose low `ones` bits of u and of v are all ones;
 // pages of such normals are smaller. ones: 0 to 8. A zero or non-finite input gives +y, or what is nearest to
 // it.

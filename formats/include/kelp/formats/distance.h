@@ -7,7 +7,7 @@
 //     227 .. 254 Solid; 255 - code = the squared distance to the nearest empty voxel.
 //     255        Solid, and no empty voxel within the band.
 //
-// Distances go from centre to centre of voxels, in voxels of the level; everything outside of a level is
+// Distances go from center to center of voxels, in voxels of the level; everything outside of a level is
 // empty. They are exact. A level has a band of its own; levels go on, each half as fine, until the band of
 // the last reaches all of its voxels.
 #pragma once
@@ -39,7 +39,7 @@ inline bool isInside(std::uint8_t code) { return code > kWidestBand.outside; }
 // The squared distance that a code states; 0: it is beyond the band.
 inline int squaredOf(std::uint8_t code) { return isInside(code) ? 255 - code : code; }
 
-// The signed distance of a voxel's centre from the surface, halfway between it and the nearest voxel of the
+// The signed distance of a voxel's center from the surface, halfway between it and the nearest voxel of the
 // other kind, in voxels of the level: at least 0.5 outside, at most -0.5 inside, infinite beyond the band.
 inline float signedDistanceOf(std::uint8_t code) {
   const int squared = squaredOf(code);
@@ -48,9 +48,9 @@ inline float signedDistanceOf(std::uint8_t code) {
   return isInside(code) ? -distance : distance;
 }
 
-// The gradient of the signed distance at a voxel: differences between the two neighbours along each axis, or
-// between the voxel and the one neighbour that is within the band, normalised. 0 where the voxel is beyond
-// the band, and where all differences are 0. beside: the neighbours at -x, +x, -y, +y, -z, +z.
+// The gradient of the signed distance at a voxel: differences between the two neighbors along each axis, or
+// between the voxel and the one neighbor that is within the band, normalized. 0 where the voxel is beyond
+// the band, and where all differences are 0. beside: the neighbors at -x, +x, -y, +y, -z, +z.
 inline glm::vec3 distanceGradient(std::uint8_t code, const std::uint8_t (&beside)[6]) {
   if (squaredOf(code) == 0) return glm::vec3(0);
   const float here = signedDistanceOf(code);

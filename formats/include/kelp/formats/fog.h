@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How fog is stored: samples at the centres of voxels. Each has a density and, if the part has a ramp, a
+// How fog is stored: samples at the centers of voxels. Each has a density and, if the part has a ramp, a
 // heat. formats/SPEC.md, section 6, defines this; the header is that section in C++.
 //
 // Between eight samples lies a *cube*, in which density and heat are trilinear. Between the outermost samples

@@ -15,7 +15,7 @@
 
 namespace kelp {
 
-// One entry of the palette. Colours are linear, Rec. 709 primaries.
+// One entry of the palette. Colors are linear, Rec. 709 primaries.
 struct Material {
   glm::vec4 base_color{1};  // alpha is coverage, 1 = opaque
   glm::vec3 emissive{0};
@@ -34,9 +34,9 @@ struct Fog {
   // likely; near 1: light nearly keeps its direction.
   float anisotropy = 0;
   // Emission, at least 0: at heat 1, radiance emitted along a length of 1 is this times the ramp's last
-  // colour.
+  // color.
   float glow = 0;
-  // Colours from cold to hot, linear, each at least 0: 2 to 256 of them. Empty: the part has no heat.
+  // Colors from cold to hot, linear, each at least 0: 2 to 256 of them. Empty: the part has no heat.
   std::span<const glm::vec3> ramp;
   std::span<const float> extinction;  // one a level, > 0: optical depth of a length of 1 at density 1
 
@@ -51,11 +51,11 @@ struct Part {
   PartKind kind = PartKind::kSolid;
   int levels = 1;            // level l has ceil(size / 2^l) voxels
   glm::ivec3 size{0};        // level-0 voxels
-  glm::mat4x3 to_object{1};  // voxels -> object (metres, +Y up, right-handed, as glTF), at rest
+  glm::mat4x3 to_object{1};  // voxels -> object (meters, +Y up, right-handed, as glTF), at rest
   // Pivot space -> object. kPartTranslation, kPartRotation and kPartScale act in pivot space.
   glm::mat4x3 pivot{1};
   std::span<const Knot> knots;  // the rest rig
-  // Bit i: the tangent of knot i follows when that knot or a neighbour moves (followOf). A clip that moves
+  // Bit i: the tangent of knot i follows when that knot or a neighbor moves (followOf). A clip that moves
   // the tangent itself overrides this: then, in that clip, the tangent moves as the clip says and no more.
   std::uint64_t automatic_tangents = 0;
   // Where the part hangs on its parent's spline: the `at` of that place, 0 to 1. It moves with the spline
@@ -110,7 +110,7 @@ struct Key {
 };
 
 // Keyframes. Times ascend strictly. Before the first key and after the last, their values hold. Rotations are
-// interpolated spherically, then normalised.
+// interpolated spherically, then normalized.
 struct Track {
   std::uint32_t part = 0;
   std::uint32_t knot = 0;  // 0 if the target is a part

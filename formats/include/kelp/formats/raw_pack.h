@@ -27,7 +27,7 @@ struct RawLevel {
   std::vector<std::uint32_t> attributes;  // one a surface voxel, slot by slot, in the order of codes
   // If the part is fog:
   std::vector<std::uint8_t> density;  // 729 a slot
-  std::vector<std::uint8_t> heat;     // 729 a slot if the part's ramp has colours, else empty
+  std::vector<std::uint8_t> heat;     // 729 a slot if the part's ramp has colors, else empty
   float extinction = 0;               // as in Fog
 };
 

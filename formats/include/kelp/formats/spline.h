@@ -40,8 +40,8 @@ struct Segment {
 // height * (k1.at - k0.at).
 Segment makeSegment(const Knot& k0, const Knot& k1, float height);
 
-// How the automatic tangents of a knot and of its neighbours follow when the knot moves: each changes by its
-// factor times the movement. An automatic tangent is the slope between the neighbours (Catmull-Rom),
+// How the automatic tangents of a knot and of its neighbors follow when the knot moves: each changes by its
+// factor times the movement. An automatic tangent is the slope between the neighbors (Catmull-Rom),
 // one-sided at the ends of the spline.
 struct Follow {
   float before = 0, self = 0, after = 0;  // of the knot before, of the knot itself, of the knot after

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Swept parts: the sections of the part stay perpendicular to its centre line, a chain of circular arcs. So
+// Swept parts: the sections of the part stay perpendicular to its center line, a chain of circular arcs. So
 // they keep their thickness however far the part bends, and it may turn back and curl. formats/SPEC.md,
 // "Bending", says how knots become arcs; this is that, in double precision. Part space, voxels of level 0.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "kelp/formats/error.h"
@@ -12,17 +13,17 @@
 
 namespace kelp {
 
-// One arc of the centre line, of at most 60 degrees, and the slice of the part around it: between two joint
-// planes. Its own coordinates are u towards the centre of curvature, v across, and the length along the arc.
+// One arc of the center line, of at most 60 degrees, and the slice of the part around it: between two joint
+// planes. Its own coordinates are u towards the center of curvature, v across, and the length along the arc.
 // Without initial values: hundreds of them are on the stack.
 struct Arc {
   glm::vec3 middle;   // of the arc
   float radius;       // of a ball around it that contains the slice
   glm::vec3 along;    // unit: the arc's direction at its middle
   float curvature;    // 1 / the arc's radius, at least 0
-  glm::vec3 inward;   // unit, perpendicular to `along`: from the middle to the centre of curvature
+  glm::vec3 inward;   // unit, perpendicular to `along`: from the middle to the center of curvature
   float y;            // height at rest of the middle
-  glm::vec2 bend;     // unit: a point of the section, x and z from the centre line, has u = dot(bend, (x, z))
+  glm::vec2 bend;     // unit: a point of the section, x and z from the center line, has u = dot(bend, (x, z))
   float rise;         // height at rest for each length of the arc
   float half_length;  // of the arc
 };
@@ -44,7 +45,7 @@ inline constexpr double kMostCurved = 0.98;
 // coarser. An estimate decides: most are nearer, some several times as far (formats/README.md).
 inline constexpr float kArcTolerance = 1.0f / 1024;
 
-// A posed centre line.
+// A posed center line.
 struct ArcChain {
   int count;  // of arcs; joint i is before arc i
   Arc arcs[kMaxArcs];
@@ -66,14 +67,14 @@ Result<void> checkSweep(std::span<const Knot> knots, const glm::ivec3& size, flo
 // Whether a part that bends so can be drawn with these knots: checkKnots() or checkSweep().
 Result<void> checkRig(Bend bend, std::span<const Knot> knots, const glm::ivec3& size, float roll = 0);
 
-// The axes and the place of the section at rest height y, from 0 to size.y: columns x, y (along the centre
+// The axes and the place of the section at rest height y, from 0 to size.y: columns x, y (along the center
 // line), z, origin. Orthonormal, right-handed.
 glm::mat4x3 sectionAt(const ArcChain& chain, float y);
 // Part space at rest -> part space, swept.
 glm::vec3 sweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::vec3& rest);
-// Part space, swept -> at rest: of the arcs whose slice the point is in, the one whose centre line is nearest
+// Part space, swept -> at rest: of the arcs whose slice the point is in, the one whose center line is nearest
 // (where coils overlap, a point is in several). Within the box of the part, or beside it in x and z, as the
-// slices go on there. False if no slice has it.
-bool unsweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::vec3& point, glm::vec3& rest);
+// slices go on there. nullopt: no slice has it.
+std::optional<glm::vec3> unsweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::vec3& point);
 
 }  // namespace kelp

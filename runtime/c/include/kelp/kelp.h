@@ -20,9 +20,9 @@
 // that is larger than the library knows, unless all that it does not know is zero. Fields that an older
 // struct lacks count as zero. kelp_..._defaults fills in the defaults.
 //
-// Numbers. Metres, +Y up, right-handed, as in glTF. Radians, seconds, linear colours. Matrices have 16
+// Numbers. Meters, +Y up, right-handed, as in glTF. Radians, seconds, linear colors. Matrices have 16
 // floats, column by column, as OpenGL takes them; quaternions are x, y, z, w. Knots, and what moves them,
-// count in heights of their part. Rest points are points of the undeformed model in its file's metres.
+// count in heights of their part. Rest points are points of the undeformed model in its file's meters.
 // Indices count from 0. kelp_bool: 0 is false, any other number is true; the library writes 0 and 1.
 //
 // Threads. The library starts none. Any thread may call any function with any asset, at the same time. Use a

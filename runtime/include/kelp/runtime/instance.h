@@ -18,7 +18,7 @@ struct Instance {
   const Asset* asset = nullptr;
   const Pose* pose = nullptr;  // null: at rest
   glm::mat4 to_world{1};       // object -> world; affine and invertible; may mirror
-  glm::vec4 tint{1};           // multiplies the base colour, linear
+  glm::vec4 tint{1};           // multiplies the base color, linear
   // Materials in place of the pack's palette, one for each of its entries. Empty: the pack's own.
   std::span<const Material> palette = {};
   // For motion vectors: pose and matrix of the previous frame. Null: as now, and so is a part whose previous
@@ -27,12 +27,20 @@ struct Instance {
   const glm::mat4* previous_to_world = nullptr;
 };
 
-// Part space (level-0 voxels) -> world, including the motion of the part and of its ancestors. The identity
-// for a part that does not exist.
-glm::mat4 partToWorld(const Instance& instance, int part);
+// A list of instances, or one alone: raycast(instance, ray). Owns nothing; valid during the call.
+struct Instances : std::span<const Instance> {
+  using span::span;
+  Instances() = default;
+  Instances(std::span<const Instance> list) : span(list) {}
+  Instances(const Instance& one) : span(&one, 1) {}
+};
+
+// Part space (level-0 voxels) -> world, including the motion of the part and of its ancestors. kMisuse: there
+// is no such part.
+Result<glm::mat4> partToWorld(const Instance& instance, int part);
 // The same of the first parts, as many as there are matrices. It takes less time than a call for each where
-// parts hang on swept splines.
-void partsToWorld(const Instance& instance, std::span<glm::mat4> out);
+// parts hang on swept splines. kMisuse: there are more matrices than parts.
+Result<void> partsToWorld(const Instance& instance, std::span<glm::mat4> out);
 // A box in the world that contains the deformed instance. Empty if `asset` is null.
 Box bounds(const Instance& instance);
 
@@ -50,36 +58,35 @@ struct Hit {
   int part = 0;
   int level = 0;
   glm::ivec3 voxel{0};        // in voxels of `level`
-  glm::vec3 rest{0};          // the same point of the undeformed model: object space, metres
+  glm::vec3 rest{0};          // the same point of the undeformed model: object space, meters
   std::uint8_t material = 0;  // palette index
 };
 
-// The nearest hit of the ray with the instance's solid voxels, at level `level`. Where bricks of that level
-// are not in memory, the hit is on the finest coarser level that is, and the bricks are requested. Never
-// blocks. nullopt: no hit, nothing in memory, a zero or non-finite ray, or a pose that Pose::check() refuses.
-std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int level = 0);
-// The nearest hit with any of the instances.
-std::optional<Hit> raycast(std::span<const Instance> instances, const Ray& ray, int level = 0);
+// The nearest hit of the ray with the solid voxels of any of the instances, at level `level`. Where bricks of
+// that level are not in memory, the hit is on the finest coarser level that is, and the bricks are requested.
+// Never blocks. nullopt: no hit, nothing in memory, a zero or non-finite ray, or a pose that Pose::check()
+// refuses.
+std::optional<Hit> raycast(Instances instances, const Ray& ray, int level = 0);
 
-// A point of the undeformed model (object space, metres) that belongs to a part -> the world, with all that
-// the pose does to it. The origin for a part that does not exist.
-glm::vec3 toWorld(const Instance& instance, int part, const glm::vec3& rest);
-// World -> the point of the undeformed model (object space, metres). nullopt if Pose::check() refuses the
+// A point of the undeformed model (object space, meters) that belongs to a part -> the world, with all that
+// the pose does to it. kMisuse: there is no such part.
+Result<glm::vec3> toWorld(const Instance& instance, int part, const glm::vec3& rest);
+// World -> the point of the undeformed model (object space, meters). nullopt if Pose::check() refuses the
 // pose, if the point is above or below the spline of a sheared part, or in no section of a swept one. Where
-// coils of a swept part overlap, a point of the world has several at rest: the one nearest to the centre
+// coils of a swept part overlap, a point of the world has several at rest: the one nearest to the center
 // line.
 std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::vec3& world);
-// A frame in the world for things attached to a point of the undeformed model (object space, metres). Its
+// A frame in the world for things attached to a point of the undeformed model (object space, meters). Its
 // columns are the directions x, y and z and the origin. y points along the spline. x is the part's x: of a
 // sheared part made perpendicular to the spline, of a swept one turned with its section. Orthonormal, and
-// right-handed for mirrored instances too.
-glm::mat4 frameAt(const Instance& instance, int part, const glm::vec3& rest);
+// right-handed for mirrored instances too. kMisuse: there is no such part.
+Result<glm::mat4> frameAt(const Instance& instance, int part, const glm::vec3& rest);
 
 // Index of the first socket of that name; of one part, if `part` is given. kMisuse: there is none; the text
 // lists the names that there are, and is valid as long as the asset.
 Result<int> findSocket(const Asset& asset, std::string_view name, int part = -1);
-// The frame of a socket in the world, to hang things on: as frameAt(), turned as the artist says. The
-// identity for a socket that does not exist.
-glm::mat4 socketToWorld(const Instance& instance, int socket);
+// The frame of a socket in the world, to hang things on: as frameAt(), turned as the artist says. kMisuse:
+// there is no such socket.
+Result<glm::mat4> socketToWorld(const Instance& instance, int socket);
 
 }  // namespace kelp::runtime

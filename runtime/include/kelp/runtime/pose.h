@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -20,16 +19,10 @@ struct Motion {
   glm::vec3 translation{0};
   glm::quat rotation{1, 0, 0, 0};
   glm::vec3 scale{1};
-  float roll =
-      0;  // radians: the turn of a swept part about its spline at the first knot, added to Part::roll
-};
+  float roll = 0;  // radians: the turn of a swept part about its spline at the first knot, beside Part::roll
 
-// Whether the motion is the identity.
-inline bool isRest(const Motion& motion) {
-  static constexpr Motion kRest;
-  return std::memcmp(&motion, &kRest, sizeof motion) ==
-         0;  // NOLINT(bugprone-suspicious-memory-comparison): floats without padding; -0 counts as motion
-}
+  bool operator==(const Motion&) const = default;
+};
 
 // Keeps no pointer to its asset. Only create() allocates; assign() copies without allocating. Not
 // thread-safe: use a pose on one thread at a time. Different poses may be used on different threads at the
@@ -52,7 +45,7 @@ class Pose {
   // along y stretches or squashes the part's volume between the ends (section 3.1 of the paper). kMisuse,
   // with nothing changed, for a part or knot that does not exist.
   Result<void> move(int part, int knot, const glm::vec3& offset);
-  // Replaces the tangent of a knot. Moving this knot or a neighbour afterwards still adds to it if it is
+  // Replaces the tangent of a knot. Moving this knot or a neighbor afterwards still adds to it if it is
   // automatic. kMisuse as move().
   Result<void> setTangent(int part, int knot, const glm::vec3& tangent);
   // Replaces the positions and tangents of all knots of a part as they are given; no tangent follows.
@@ -63,8 +56,8 @@ class Pose {
   const Motion* motion(int part) const { return const_cast<Pose*>(this)->motion(part); }
 
   void reset();  // back to rest
-  // Copies `other`. False, with nothing changed, if its parts or knots differ in number.
-  [[nodiscard]] bool assign(const Pose& other);
+  // Copies `other`. kMisuse, with nothing changed, if its parts or knots differ in number.
+  Result<void> assign(const Pose& other);
   // Moves the pose towards `to`: weight 0 changes nothing, weight 1 makes it `to`. Knots, translations and
   // scales are interpolated linearly, rotations spherically by the shorter way. Between two monotone poses
   // the result is monotone; between swept ones it may fold. part_weights: one factor of the weight for each
@@ -131,15 +124,14 @@ enum class Play : std::uint8_t { kLoop, kOnce };
 // Time: tracks repeat after the clip's duration, also for negative times. Each wave repeats after its own
 // period and never ends. Add an offset to `seconds` to give an instance its own phase. Phases are reduced in
 // double precision: after a hundred hours they are exact to a millionth of a turn. Played once, the clip
-// holds its first moment before 0 and its last moment after its duration.
+// holds its first moment before 0 and its last moment after its duration
+// (asset.pack().clips()[clip].duration).
 //
 // Layers: add further clips. Crossfade: add one clip with weight 1 - w and the other with w; the knots are
 // then exactly between the two poses. If motions rotate far, or you want a mask, make two poses and blend()
 // them.
 Result<void> addClip(const Asset& asset, int clip, double seconds, float weight, Pose& pose,
                      Play play = Play::kLoop);
-// Whether a clip that is played once is over after so many seconds. True for a clip that does not exist.
-bool hasEnded(const Asset& asset, int clip, double seconds);
 // Index of the first clip of that name. kMisuse: there is none; the text lists the names that there are, and
 // is valid as long as the asset.
 Result<int> findClip(const Asset& asset, std::string_view name);

@@ -12,7 +12,7 @@
 
 namespace kelp::runtime {
 
-struct SpringSettings {
+struct SpringOptions {
   float frequency = 1.0f;  // of the undamped swing, in Hz; > 0
   // Damping ratio, >= 0. 0: swings for ever. 1: returns fastest without overshoot. More: returns slowly.
   float damping = 0.25f;
@@ -37,8 +37,8 @@ struct Swing {
 class Spring {
  public:
   Spring() = default;  // of no part; fits no asset
-  // A spring at rest, without wind. kMisuse for settings out of range; kOutOfMemory.
-  static Result<Spring> create(const Asset& asset, const SpringSettings& settings = {},
+  // A spring at rest, without wind. kMisuse for options out of range; kOutOfMemory.
+  static Result<Spring> create(const Asset& asset, const SpringOptions& options = {},
                                const Allocator& allocator = {});
   Spring(Spring&&) noexcept = default;
   Spring& operator=(Spring&&) noexcept = default;
@@ -52,7 +52,7 @@ class Spring {
   // less to the other knots, in proportion to the bend of a beam under an even load. The velocity is cut so
   // that no knot swings farther than `reach` from where the wind holds it.
   Result<void> push(int part, const glm::vec3& velocity);
-  // The same, with a velocity in world space (metres per second if the world is in metres). The instance says
+  // The same, with a velocity in world space (meters per second if the world is in meters). The instance says
   // how the part stands in the world.
   Result<void> pushInWorld(const Instance& instance, int part, const glm::vec3& velocity);
   // Wind from now on: the acceleration that it would give the free end if nothing held it (heights of the
@@ -96,7 +96,7 @@ class Spring {
   void pushAway(const Body& body, const Part& part, std::span<const Knot> pose, const glm::mat4& to_world,
                 const glm::vec3& center, float radius);
 
-  SpringSettings settings_;
+  SpringOptions options_;
   float omega_ = 0;  // radians per second
   Buffer<Body> bodies_;
   Buffer<Swing> swings_;

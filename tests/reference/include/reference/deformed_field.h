@@ -117,16 +117,16 @@ struct Shape {
 };
 
 inline std::vector<Shape> shapesIn(const glm::ivec3& size) {
-  const glm::dvec3 centre = 0.5 * glm::dvec3(size);
+  const glm::dvec3 center = 0.5 * glm::dvec3(size);
   const double least = std::min({size.x, size.y, size.z});
   const auto direction = [](std::mt19937& random) {
     std::normal_distribution<double> n;
     return glm::normalize(glm::dvec3(n(random), n(random), n(random)));
   };
   const double radius = 0.45 * least;
-  Shape sphere{"sphere", [=](const glm::dvec3& q) { return glm::distance(q, centre) - radius; },
-               [=](std::mt19937& random) { return centre + radius * direction(random); },
-               [=](const glm::dvec3& q) { return glm::normalize(q - centre); }};
+  Shape sphere{"sphere", [=](const glm::dvec3& q) { return glm::distance(q, center) - radius; },
+               [=](std::mt19937& random) { return center + radius * direction(random); },
+               [=](const glm::dvec3& q) { return glm::normalize(q - center); }};
 
   // A torus that leans, so that it is symmetric to no axis of the map.
   const glm::dvec3 axis = glm::normalize(glm::dvec3(0.4, 1, -0.3));
@@ -134,8 +134,8 @@ inline std::vector<Shape> shapesIn(const glm::ivec3& size) {
                    beside = glm::cross(axis, across);
   const double ring = 0.3 * least, tube = 0.12 * least;
   const auto onRing = [=](const glm::dvec3& q) {
-    const glm::dvec3 d = q - centre - glm::dot(q - centre, axis) * axis;
-    return centre + ring * glm::normalize(d);
+    const glm::dvec3 d = q - center - glm::dot(q - center, axis) * axis;
+    return center + ring * glm::normalize(d);
   };
   Shape torus{"torus", [=](const glm::dvec3& q) { return glm::distance(q, onRing(q)) - tube; },
               [=](std::mt19937& random) {
@@ -145,15 +145,15 @@ inline std::vector<Shape> shapesIn(const glm::ivec3& size) {
                 while (unit(random) * (ring + tube) > ring + tube * std::cos(b)) b = turn(random);
                 const double a = turn(random);
                 const glm::dvec3 out = std::cos(a) * across + std::sin(a) * beside;
-                return centre + (ring + tube * std::cos(b)) * out + tube * std::sin(b) * axis;
+                return center + (ring + tube * std::cos(b)) * out + tube * std::sin(b) * axis;
               },
               [=](const glm::dvec3& q) { return glm::normalize(q - onRing(q)); }};
 
   // Touches all six faces of the box, so that it has normals up to the ends of the map.
   const glm::dvec3 half = 0.499 * glm::dvec3(size);
-  Shape ellipsoid{"ellipsoid", [=](const glm::dvec3& q) { return glm::length((q - centre) / half) - 1; },
-                  [=](std::mt19937& random) { return centre + half * direction(random); },
-                  [=](const glm::dvec3& q) { return glm::normalize((q - centre) / (half * half)); }};
+  Shape ellipsoid{"ellipsoid", [=](const glm::dvec3& q) { return glm::length((q - center) / half) - 1; },
+                  [=](std::mt19937& random) { return center + half * direction(random); },
+                  [=](const glm::dvec3& q) { return glm::normalize((q - center) / (half * half)); }};
   return {sphere, torus, ellipsoid};
 }
 

@@ -15,7 +15,7 @@ namespace kelp::reference {
 struct PaperContext {
   trace::KelpSegment segment{};
   glm::ivec3 size{0};
-  const float* distance = nullptr;  // dense, x fastest: centre to centre, voxels; 0 in a solid voxel
+  const float* distance = nullptr;  // dense, x fastest: center to center, voxels; 0 in a solid voxel
   float step = 1;                   // the constant step, voxels
 };
 

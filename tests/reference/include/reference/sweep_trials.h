@@ -34,7 +34,7 @@ std::vector<TracedJoint> jointsAs(const ArcChain& chain) {
   return joints;
 }
 
-// Rays of every kind: any direction; along the centre line; in a section's plane; across the plane of an arc;
+// Rays of every kind: any direction; along the center line; in a section's plane; across the plane of an arc;
 // through an axis of curvature; close to a joint; along an axis; from inside; close past solid voxels; along
 // a face of voxels; from 30 sizes of the bounds away.
 inline constexpr int kSweepRayKinds = 11;

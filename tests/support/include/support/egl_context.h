@@ -80,7 +80,7 @@ class EglContext {
     return eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
   }
 
-  // For kelp::gl::Config.
+  // For kelp::gl::RendererOptions.
   static void* getProcAddress(void*, const char* name) {
     return reinterpret_cast<void*>(eglGetProcAddress(name));
   }

@@ -31,7 +31,7 @@ struct FakeGl {
   // The pool of the voxels of the renderer that was created last.
   const Texture& pool() const;
 
-  // For kelp::gl::Config; `user` is not used. One fake at a time: the one that current() points to.
+  // For kelp::gl::RendererOptions; `user` is not used. One fake at a time: the one that current() points to.
   static FakeGl*& current();
   static void* getProcAddress(void* user, const char* name);
 };

@@ -41,17 +41,17 @@ inline fields::Occupancy ballClump(const glm::ivec3& size, int balls, unsigned s
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0, 1);
   for (int i = 0; i < balls; ++i) {
-    glm::vec3 centre;
+    glm::vec3 center;
     // in this order, whatever the compiler
-    for (const int axis : {2, 1, 0}) centre[axis] = static_cast<float>(size[axis]) * unit(random);
+    for (const int axis : {2, 1, 0}) center[axis] = static_cast<float>(size[axis]) * unit(random);
     const float radius =
         (0.04f + 0.14f * unit(random)) * static_cast<float>(std::min({size.x, size.y, size.z}));
-    const glm::ivec3 low = glm::max(glm::ivec3(centre - radius), glm::ivec3(0));
-    const glm::ivec3 high = glm::min(glm::ivec3(centre + radius), size - 1);
+    const glm::ivec3 low = glm::max(glm::ivec3(center - radius), glm::ivec3(0));
+    const glm::ivec3 high = glm::min(glm::ivec3(center + radius), size - 1);
     for (int z = low.z; z <= high.z; ++z)
       for (int y = low.y; y <= high.y; ++y)
         for (int x = low.x; x <= high.x; ++x)
-          if (glm::distance(glm::vec3(x, y, z) + 0.5f, centre) <= radius)
+          if (glm::distance(glm::vec3(x, y, z) + 0.5f, center) <= radius)
             volume.solid[volume.index({x, y, z})] = 1;
   }
   volume.solid[volume.index(size / 2)] = 1;

@@ -181,8 +181,8 @@ class RandomPack {
         const std::uint8_t code = codeOf(order[slot].second, i);
         level.codes.push_back(code == kSurfaceCode ? static_cast<std::uint8_t>(code + rank++) : code);
         if (code != kSurfaceCode) continue;
-        const auto colour = static_cast<std::uint8_t>(between(0, static_cast<int>(palette_size) - 1));
-        level.attributes.push_back(makeAttribute(colour, static_cast<std::uint32_t>(random_()) & 0xffffffu));
+        const auto color = static_cast<std::uint8_t>(between(0, static_cast<int>(palette_size) - 1));
+        level.attributes.push_back(makeAttribute(color, static_cast<std::uint32_t>(random_()) & 0xffffffu));
       }
     }
     return level;

@@ -15,7 +15,7 @@ namespace kelp::test {
 
 // An orthographic camera: pixel (x, y) looks from `eye + px right + py up` along `forward`.
 struct OrthographicCamera {
-  glm::dvec3 centre{0}, right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};
+  glm::dvec3 center{0}, right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};
   double pixel = 1;  // world units
   int width = 0, height = 0;
 
@@ -27,7 +27,7 @@ struct OrthographicCamera {
     c.forward = -glm::dvec3(std::sin(a) * std::cos(b), std::sin(b), std::cos(a) * std::cos(b));
     c.right = glm::normalize(glm::cross(c.forward, glm::dvec3(0, 1, 0)));
     c.up = glm::cross(c.right, c.forward);
-    c.centre = 0.5 * (low + high);
+    c.center = 0.5 * (low + high);
     const glm::dvec3 half = 0.5 * (high - low);
     const auto reach = [&](const glm::dvec3& d) {
       return std::abs(d.x) * half.x + std::abs(d.y) * half.y + std::abs(d.z) * half.z;
@@ -38,7 +38,7 @@ struct OrthographicCamera {
   }
   double depthRange(const glm::dvec3& low, const glm::dvec3& high) const { return glm::length(high - low); }
   glm::dvec3 pixelOrigin(int x, int y, double back) const {
-    return centre + (x + 0.5 - 0.5 * width) * pixel * right + (0.5 * height - y - 0.5) * pixel * up -
+    return center + (x + 0.5 - 0.5 * width) * pixel * right + (0.5 * height - y - 0.5) * pixel * up -
            back * forward;
   }
 };
@@ -90,7 +90,7 @@ class Rasterizer {
 
  private:
   glm::dvec3 project(const glm::dvec3& p) const {
-    const glm::dvec3 d = p - camera_.centre;
+    const glm::dvec3 d = p - camera_.center;
     return {glm::dot(d, camera_.right) / camera_.pixel + 0.5 * camera_.width - 0.5,
             0.5 * camera_.height - 0.5 - glm::dot(d, camera_.up) / camera_.pixel,
             glm::dot(d, camera_.forward)};

@@ -17,7 +17,7 @@
 namespace kelp::test {
 
 // All levels of a volume, every surface voxel with palette entry `material` and a normal away from the
-// volume's centre.
+// volume's center.
 inline std::vector<RawLevel> levelsOf(fields::Occupancy volume, std::uint8_t material = 0) {
   std::vector<RawLevel> levels;
   std::vector<std::uint64_t> indices = fields::surfaceVoxels(volume, 1);
@@ -26,10 +26,10 @@ inline std::vector<RawLevel> levelsOf(fields::Occupancy volume, std::uint8_t mat
     const auto sx = static_cast<std::uint64_t>(volume.size.x);
     const auto sy = static_cast<std::uint64_t>(volume.size.y);
     for (const std::uint64_t i : indices) {
-      const glm::vec3 centre = glm::vec3(static_cast<float>(i % sx), static_cast<float>(i / sx % sy),
+      const glm::vec3 center = glm::vec3(static_cast<float>(i % sx), static_cast<float>(i / sx % sy),
                                          static_cast<float>(i / sx / sy)) +
                                0.5f;
-      surface.push_back({i, makeAttribute(material, encodeNormal(centre - 0.5f * glm::vec3(volume.size)))});
+      surface.push_back({i, makeAttribute(material, encodeNormal(center - 0.5f * glm::vec3(volume.size)))});
     }
     levels.push_back(fields::buildLevel(volume, surface, 1));
     if (volume.size.x <= 8 && volume.size.y <= 8 && volume.size.z <= 8) return levels;
@@ -38,7 +38,7 @@ inline std::vector<RawLevel> levelsOf(fields::Occupancy volume, std::uint8_t mat
   }
 }
 
-// A part in metres: one metre high, standing on the origin, centred in x and z.
+// A part in meters: one meter high, standing on the origin, centerd in x and z.
 inline RawPart partOf(const fields::Occupancy& volume, std::vector<Knot> knots,
                       const std::string& name = "part") {
   RawPart part;

@@ -12,7 +12,7 @@ inline glm::vec3 voxelToRest(const runtime::Instance& instance, int part, const 
   return instance.asset->pack().parts()[static_cast<std::size_t>(part)].to_object * glm::vec4(voxel, 1);
 }
 inline glm::vec3 voxelToWorld(const runtime::Instance& instance, int part, const glm::vec3& voxel) {
-  return toWorld(instance, part, voxelToRest(instance, part, voxel));
+  return toWorld(instance, part, voxelToRest(instance, part, voxel)).value();
 }
 inline glm::vec3 restToVoxel(const runtime::Instance& instance, int part, const glm::vec3& rest) {
   const glm::mat4 to_object(instance.asset->pack().parts()[static_cast<std::size_t>(part)].to_object);

@@ -13,12 +13,12 @@ namespace {
 constexpr std::uint64_t kUploadPerFrame = 8 << 20;  // bytes
 
 std::string makeRenderer(const Model& model, Surface surface, std::unique_ptr<gl::Renderer>& renderer) {
-  gl::Config config;
+  gl::RendererOptions config;
   config.getProcAddress = [](void*, const char* name) {
     return reinterpret_cast<void*>(glfwGetProcAddress(name));
   };
   config.surface_glsl = glslOf(surface);
-  config.distances = surface == Surface::kDistances;
+  if (surface == Surface::kDistances) config.features = gl::Features::kDistances;
   auto made = gl::Renderer::create(config);
   if (!made) return describe(made.error());
   if (const auto added = (*made)->add(model.asset()); !added) return describe(added.error());

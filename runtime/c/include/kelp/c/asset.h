@@ -12,7 +12,7 @@ typedef struct kelp_asset {
 
 typedef struct kelp_asset_options {
   uint32_t struct_size;
-  // The finest level of distances to load, for the queries of kelp/c/distance.h. 0: all; -1: none.
+  // The finest level of distances to load, for the queries of kelp/c/distance.h. 0: all; KELP_NONE: none.
   int32_t distance_level;
   // The most bytes of grids and pages to keep in memory. What was not used for longest makes room.
   uint64_t memory_budget;
@@ -111,15 +111,15 @@ enum { KELP_BEND_SHEAR = 0, KELP_BEND_SWEEP = 1 };
 // A volume of voxels with one rig. Pointers are valid as long as the asset.
 typedef struct kelp_part {
   uint32_t struct_size;
-  int32_t parent;  // index of an earlier part, whose motion this part follows; -1: none
+  int32_t parent;  // index of an earlier part, whose motion this part follows, or KELP_NONE
   kelp_text name;
   kelp_part_kind kind;
   kelp_bend bend;
   int32_t levels;
   int32_t distance_levels;      // 0: no distances
   int32_t size[3];              // voxels of the finest level; +y along the spline
-  float to_object[16];          // those voxels -> metres, at rest
-  float pivot[16];              // pivot space, in which motions act -> metres
+  float to_object[16];          // those voxels -> meters, at rest
+  float pivot[16];              // pivot space, in which motions act -> meters
   float parent_at;              // where it hangs on its parent's spline, 0 to 1; -1: not on the spline
   float roll;                   // of a swept part: radians, its turn at the first knot
   uint32_t knot_count;          // 2 to 64
@@ -128,9 +128,9 @@ typedef struct kelp_part {
   // Of fog, else 0. Lengths are in voxels of the finest level.
   float fog_color[3];           // the share of the stopped light that is scattered
   float fog_anisotropy;         // mean cosine of the scattering angle
-  float fog_glow;               // emission at heat 1 is this times the last colour of the ramp
+  float fog_glow;               // emission at heat 1 is this times the last color of the ramp
   uint32_t fog_ramp_count;      // 0: no heat
-  const float* fog_ramp;        // 3 floats a colour, from cold to hot
+  const float* fog_ramp;        // 3 floats a color, from cold to hot
   const float* fog_extinction;  // one a level: optical depth of a length of 1 at density 1
 } kelp_part;
 KELP_API kelp_result kelp_asset_get_part(kelp_asset asset, int32_t part, kelp_part* out);
@@ -146,9 +146,6 @@ typedef struct kelp_clip {
 KELP_API kelp_result kelp_asset_get_clip(kelp_asset asset, int32_t clip, kelp_clip* out);
 // The first clip of that name. KELP_ERROR_MISUSE: there is none; the error's text lists the names.
 KELP_API kelp_result kelp_asset_find_clip(kelp_asset asset, const char* name, int32_t* clip);
-// Whether a clip that is played once is over after so many seconds; true for a clip that does not exist.
-KELP_API kelp_result kelp_asset_clip_has_ended(kelp_asset asset, int32_t clip, double seconds,
-                                               kelp_bool* ended);
 
 // What a wave or track moves.
 typedef int32_t kelp_target;
@@ -200,13 +197,13 @@ typedef struct kelp_socket {
   float rotation[4];  // of its axes against those of the part
 } kelp_socket;
 KELP_API kelp_result kelp_asset_get_socket(kelp_asset asset, int32_t socket, kelp_socket* out);
-// The first socket of that name; of one part, or of any if `part` is -1. KELP_ERROR_MISUSE: there is none;
-// the error's text lists the names.
+// The first socket of that name; of one part, or of any if `part` is KELP_NONE. KELP_ERROR_MISUSE: there is
+// none; the error's text lists the names.
 KELP_API kelp_result kelp_asset_find_socket(kelp_asset asset, const char* name, int32_t part,
                                             int32_t* socket);
 
 // The finest level of the part that is wholly in memory and not finer than `wanted`; if there is none, the
-// coarsest of the finer ones; -1: none yet, or no such part.
+// coarsest of the finer ones; KELP_NONE: none yet. KELP_ERROR_MISUSE: no such part.
 KELP_API kelp_result kelp_asset_resident_level(kelp_asset asset, int32_t part, int32_t wanted,
                                                int32_t* level);
 

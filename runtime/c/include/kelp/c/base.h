@@ -19,6 +19,9 @@
 
 typedef uint32_t kelp_bool;
 
+// In place of an index that the library writes: there is none.
+enum { KELP_NONE = -1 };
+
 typedef int32_t kelp_result;
 enum {
   KELP_OK = 0,

@@ -19,8 +19,8 @@ typedef struct kelp_instance {
   const kelp_material* palette;
   kelp_asset asset;
   kelp_pose pose;      // id 0: at rest
-  float to_world[16];  // metres of the model -> world; affine and invertible; may mirror
-  float tint[4];       // multiplies the base colour, linear
+  float to_world[16];  // meters of the model -> world; affine and invertible; may mirror
+  float tint[4];       // multiplies the base color, linear
   // For motion vectors: pose and matrix of the previous frame. Id 0 and null: as now.
   kelp_pose previous_pose;
   const float* previous_to_world;

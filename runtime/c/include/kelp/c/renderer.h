@@ -17,7 +17,15 @@ enum {
   KELP_STATE_LEAVE = 1
 };
 
-typedef struct kelp_renderer_config {
+// What a renderer can do beyond drawing; a set of bits. Each costs something even where no view uses it.
+typedef uint32_t kelp_features;
+enum {
+  KELP_FEATURE_SECONDARY_RAYS = 1,  // rays from what is seen: kelp_view.self_shadow, .occlusion_rays
+  KELP_FEATURE_DISTANCES = 2,       // distances on the GPU: kelp_view.soft_shadows, .occlusion
+  KELP_FEATURE_GRADIENT_ONLY = 4    // no other shading: the program compiles sooner
+};
+
+typedef struct kelp_renderer_options {
   uint32_t struct_size;
   kelp_state state;
   // Returns the address of a GL function, as SDL_GL_GetProcAddress does. Called in kelp_renderer_create only.
@@ -31,15 +39,13 @@ typedef struct kelp_renderer_config {
   // GLSL that defines `vec4 kelpSurface(KelpSurface s)` (shaders/surface.glsl). Null: sun and sky.
   const char* surface_glsl;
   const kelp_allocator* allocator;  // copied. Null: malloc and free
-  kelp_bool secondary_rays;         // compile in what kelp_view.self_shadow and .occlusion_rays need
-  kelp_bool distances;              // upload distances, for kelp_view.soft_shadows and .occlusion
-  kelp_bool gradient_only;          // leave the other shadings out of the program, which is sooner compiled
-} kelp_renderer_config;
-KELP_API kelp_result kelp_renderer_config_defaults(kelp_renderer_config* config);
+  kelp_features features;
+} kelp_renderer_options;
+KELP_API kelp_result kelp_renderer_options_defaults(kelp_renderer_options* options);
 
 // KELP_ERROR_GRAPHICS: no context is current, its version is too low, a function is missing, or a shader does
 // not compile.
-KELP_API kelp_result kelp_renderer_create(const kelp_renderer_config* config, kelp_renderer* renderer);
+KELP_API kelp_result kelp_renderer_create(const kelp_renderer_options* options, kelp_renderer* renderer);
 KELP_API kelp_result kelp_renderer_destroy(kelp_renderer renderer);
 // Makes the calling thread the one that the renderer belongs to. Call it when you have made its context
 // current on that thread. The one function of a renderer that any thread may call.
@@ -96,9 +102,9 @@ typedef struct kelp_view {
   float eye_to_clip[16];   // perspective or orthographic; the far plane may be at infinity
   kelp_clip_range clip_range;
   kelp_bool reversed_depth;             // the near plane is at the upper end of the range
-  kelp_output output;                   // what the colours are
+  kelp_output output;                   // what the colors are
   const float* previous_world_to_clip;  // of the frame before, for motion vectors. Null: none
-  // Light. Colours are linear.
+  // Light. Colors are linear.
   float sun_direction[3];  // towards the sun, world; any length above 0
   float sun_color[3];
   float sky_color[3];     // from above
@@ -108,10 +114,10 @@ typedef struct kelp_view {
   int32_t finest_level;    // no finer level is drawn
   float pixels_per_voxel;  // about how many a voxel covers; 0: always the finest level
   float smallest_pixels;   // parts that cover fewer are not drawn
-  kelp_bool self_shadow;   // needs kelp_renderer_config.secondary_rays, as do:
+  kelp_bool self_shadow;   // needs KELP_FEATURE_SECONDARY_RAYS, as do:
   int32_t occlusion_rays;  // 0 .. 16 for each pixel: how much of the sky it sees
   float occlusion_reach;   // in lengths of the part's longest side; above 0
-  float soft_shadows;      // 0 .. 20 degrees across the sun; needs kelp_renderer_config.distances, as does:
+  float soft_shadows;      // 0 .. 20 degrees across the sun; needs KELP_FEATURE_DISTANCES, as does:
   kelp_bool occlusion;     // how much of the sky a pixel sees, by distances
   int32_t depth_batches;   // 1 .. 16: draws from near to far, between which the depth is copied
   uint32_t scene_depth;    // a GL_TEXTURE_2D with the depth so far, where rays end; 0: none
@@ -125,9 +131,9 @@ KELP_API kelp_result kelp_view_defaults(kelp_view* view);
 
 typedef int32_t kelp_pass;
 enum {
-  KELP_PASS_COLOUR = 0,  // colour and depth of solid parts
-  KELP_PASS_DEPTH = 1,   // depth only, for shadow maps and pre-passes
-  KELP_PASS_FOG = 2      // fog parts, after everything opaque; blends into draw buffer 0
+  KELP_PASS_COLOR = 0,  // color and depth of solid parts
+  KELP_PASS_DEPTH = 1,  // depth only, for shadow maps and pre-passes
+  KELP_PASS_FOG = 2     // fog parts, after everything opaque; blends into draw buffer 0
 };
 // Draws into the current framebuffer and viewport. stats: may be null. Instances that cannot be drawn are
 // left out (stats->left_out). KELP_ERROR_MISUSE, and nothing is drawn: an asset that was not added, a pose or
@@ -146,11 +152,11 @@ KELP_API kelp_result kelp_renderer_bind_trace(kelp_renderer renderer, uint32_t p
                                               const kelp_instance* instances, uint32_t count,
                                               int32_t first_unit, kelp_stats* stats);
 
-// Bytes of gpu_budget that the asset takes, as far as its grids are loaded. distances: as in the config. Any
-// thread.
-KELP_API kelp_result kelp_pool_bytes(kelp_asset asset, kelp_bool distances, uint64_t* bytes);
+// Bytes of gpu_budget that the asset takes, as far as its grids are loaded. features: those of the
+// renderer. Any thread.
+KELP_API kelp_result kelp_pool_bytes(kelp_asset asset, kelp_features features, uint64_t* bytes);
 // The level of a part of an instance that a draw wants at a pixel, for a kelp_raycast that meets what is
-// seen. -1: it cannot be drawn. Any thread.
+// seen; KELP_NONE if it cannot be drawn. Any thread.
 KELP_API kelp_result kelp_level_at(const kelp_view* view, const kelp_instance* instance, int32_t part,
                                    int32_t x, int32_t y, int32_t* level);
 

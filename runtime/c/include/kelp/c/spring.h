@@ -14,17 +14,17 @@ typedef struct kelp_spring {
   uint64_t id;
 } kelp_spring;
 
-typedef struct kelp_spring_settings {
+typedef struct kelp_spring_options {
   uint32_t struct_size;
   float frequency;   // of the undamped swing, in Hz; above 0
   float damping;     // ratio; 0 swings for ever, 1 returns fastest without overshoot
   float reach;       // the farthest that a knot moves, in heights of its part; above 0
   kelp_bool rooted;  // the first knot of a part is fixed, and the part bends like a beam
-} kelp_spring_settings;
-KELP_API kelp_result kelp_spring_settings_defaults(kelp_spring_settings* settings);
+} kelp_spring_options;
+KELP_API kelp_result kelp_spring_options_defaults(kelp_spring_options* options);
 
-// A spring at rest, without wind. settings: null for the defaults. allocator: as in kelp_pose_create.
-KELP_API kelp_result kelp_spring_create(kelp_asset asset, const kelp_spring_settings* settings,
+// A spring at rest, without wind. options: null for the defaults. allocator: as in kelp_pose_create.
+KELP_API kelp_result kelp_spring_create(kelp_asset asset, const kelp_spring_options* options,
                                         const kelp_allocator* allocator, kelp_spring* spring);
 KELP_API kelp_result kelp_spring_destroy(kelp_spring spring);
 

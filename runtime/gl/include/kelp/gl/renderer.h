@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <glm/mat4x4.hpp>
@@ -19,7 +20,27 @@ enum class State : std::uint8_t {
   kLeave,    // nothing is restored; runtime/gl/README.md lists what kelp changes
 };
 
-struct Config {
+// What a renderer can do beyond drawing. Each costs something even in frames that do not use it.
+enum class Features : std::uint8_t {
+  kNone = 0,
+  // Rays cast from what is seen: Quality::self_shadow, Quality::occlusion_rays. The program is then larger:
+  // on Mesa's llvmpipe, which also runs branches that are not taken, a frame takes 1.2 times as long.
+  kSecondaryRays = 1,
+  // Distances on the GPU: Quality::soft_shadows, Quality::occlusion, and kelpDistance in shaders. They come
+  // from assets that load them (runtime::Options::distance_level), and take part of gpu_budget.
+  kDistances = 2,
+  // No Shading but kGradient. The program compiles sooner: with SwiftShader, which browsers draw with where
+  // there is no graphics card, in two thirds of the time.
+  kGradientOnly = 4,
+};
+constexpr Features operator|(Features a, Features b) {
+  return static_cast<Features>(static_cast<std::uint8_t>(a) | static_cast<std::uint8_t>(b));
+}
+constexpr bool has(Features set, Features feature) {
+  return (static_cast<std::uint8_t>(set) & static_cast<std::uint8_t>(feature)) != 0;
+}
+
+struct RendererOptions {
   // Returns the address of a GL function, as glfwGetProcAddress or eglGetProcAddress do. Called during
   // create() only.
   void* (*getProcAddress)(void* user, const char* name) = nullptr;
@@ -29,22 +50,12 @@ struct Config {
   // maximum is what one texture array of the context holds, which is 1 GiB or more.
   std::uint64_t gpu_budget = std::uint64_t{256} << 20;
   State state = State::kRestore;
-  // GLSL text that defines `vec4 kelpSurface(KelpSurface s)`, the colour of a hit. shaders/surface.glsl
+  // GLSL text that defines `vec4 kelpSurface(KelpSurface s)`, the color of a hit. shaders/surface.glsl
   // documents KelpSurface. Null: sun and sky. Compiled in create(), and once more in add() for the first
   // asset with swept parts. If it does not compile, create() returns kGraphics and `log` gets the compiler's
   // message.
   const char* surface_glsl = nullptr;
-  // Whether kelp's own look may cast rays, for Quality::self_shadow and Quality::occlusion_rays. The program
-  // is then larger: on Mesa's llvmpipe, which also runs branches that are not taken, a frame takes 1.2 times
-  // as long even if a view asks for neither.
-  bool secondary_rays = false;
-  // Whether distances are used: for Quality::soft_shadows and Quality::occlusion, and for kelpDistance in
-  // shaders. They come from assets that load them (runtime::Options::distance_level), and take part of
-  // gpu_budget.
-  bool distances = false;
-  // Leaves Shading::kFaces and kSmooth out of the program, which is sooner compiled: by SwiftShader, which
-  // browsers draw with where there is no graphics card, in two thirds of the time.
-  bool gradient_only = false;
+  Features features = Features::kNone;  // a set: Features::kSecondaryRays | Features::kDistances
   // Gets the messages of the GLSL compiler or linker when they make create() or add() fail
   // (runtime/gl/README.md explains STRING:LINE in them), and once for each asset why an instance of it was
   // left out (Stats::left_out). `text` is valid during the call only. Null: no callback.
@@ -81,7 +92,7 @@ inline constexpr int kFirstHostUnit = 4;
 struct Camera {
   glm::mat4 world_to_eye{1};
   glm::mat4 eye_to_clip{1};  // perspective or orthographic; the far plane may be at infinity
-  // Size of the current viewport in pixels. Without pixels, as in a minimised window, nothing is drawn.
+  // Size of the current viewport in pixels. Without pixels, as in a minimized window, nothing is drawn.
   glm::ivec2 viewport{0};
   ClipRange clip_range = ClipRange::kMinusOneToOne;
   // The near plane is at the upper end of the range: kelp tests with GL_GEQUAL instead of GL_LEQUAL.
@@ -91,7 +102,7 @@ struct Camera {
   const glm::mat4* previous_world_to_clip = nullptr;
 };
 
-// Colours are linear. With the defaults a white surface in full light is white, so that nothing clips without
+// Colors are linear. With the defaults a white surface in full light is white, so that nothing clips without
 // tone mapping.
 struct Light {
   glm::vec3 sun_direction{0.4f, 0.8f, 0.45f};  // towards the sun, world; any length > 0
@@ -102,14 +113,14 @@ struct Light {
 
 // What a picture may cost.
 struct Quality {
-  Shading shading = Shading::kGradient;  // another one is kMisuse with Config::gradient_only
+  Shading shading = Shading::kGradient;  // others: kMisuse with Features::kGradientOnly
   int finest_level = 0;                  // no finer level is drawn; as `level` of runtime::raycast
   // Levels are chosen so that a voxel covers about this many pixels where a part is nearest. 0: always the
   // finest level. Between two levels some pixels draw the one and some the other, so that no switch is seen.
   float pixels_per_voxel = 1.0f;
   float smallest_pixels = 0.5f;  // parts whose largest side covers fewer pixels are not drawn
   // Secondary rays stay in the same part of the same instance. They start less than two voxels off the
-  // surface; in fog, at every voxel on the way. kMisuse without Config::secondary_rays, except with a
+  // surface; in fog, at every voxel on the way. kMisuse without Features::kSecondaryRays, except with a
   // surface_glsl, which may call kelpVisible. Whether voxels keep the sun's light off others:
   bool self_shadow = false;
   // 0 .. 16 cosine-weighted rays for each pixel, which measure how much of the sky it sees. 0: all of it.
@@ -117,7 +128,7 @@ struct Quality {
   // Length of those rays, in lengths of the part's longest side, > 0. A hit counts less the farther away it
   // is.
   float occlusion_reach = 0.25f;
-  // Light past all solid parts of the instance, by distances; kMisuse without Config::distances. The sun's
+  // Light past all solid parts of the instance, by distances; kMisuse without Features::kDistances. The sun's
   // shadow, with a penumbra: the angle in degrees, 0 .. 20, across the sun (the real one: 0.53). 0: no
   // shadow. Takes the place of self_shadow. Slower where an asset loads no distances.
   float soft_shadows = 0;
@@ -132,13 +143,13 @@ struct Quality {
   int depth_batches = 1;
 };
 
-// What the colours are that draw() writes.
+// What the colors are that draw() writes.
 enum class Output : std::uint8_t {
   // Linear light, for a framebuffer that encodes (GL_FRAMEBUFFER_SRGB on an sRGB framebuffer) or is
   // tone-mapped later. On a framebuffer that does neither, the picture is too dark.
   kLinear,
   // For the screen: tone-mapped, so that bright light does not clip, and encoded as sRGB. For targets that
-  // encode nothing: a canvas in a browser, many windows of SDL. Fog is then blended in encoded colours, which
+  // encode nothing: a canvas in a browser, many windows of SDL. Fog is then blended in encoded colors, which
   // is not quite right.
   kDisplay,
 };
@@ -167,10 +178,10 @@ struct View {
 };
 
 enum class Pass : std::uint8_t {
-  kColour,  // colour and depth of solid parts
-  kDepth,   // depth only, for shadow maps and pre-passes
+  kColor,  // color and depth of solid parts
+  kDepth,  // depth only, for shadow maps and pre-passes
   // Fog parts, which the other passes leave out. Call it after everything opaque, the host's own included.
-  // Blends premultiplied colour into draw buffer 0 only; writes no depth. Rays end at the scene's depth:
+  // Blends premultiplied color into draw buffer 0 only; writes no depth. Rays end at the scene's depth:
   // View::scene_depth, or else a copy of the depth buffer, made by this call. Without either (no depth
   // buffer, or a multisampled one) fog is hidden only where it begins behind the scene. Parts that overlap
   // are blended in order: the one whose bounds begin farther from the eye first; of those around the eye, the
@@ -201,7 +212,7 @@ class Renderer {
  public:
   // kGraphics: no context is current, its version is below OpenGL 3.3 or ES 3.0, a function is missing, or a
   // shader does not compile.
-  static Result<std::unique_ptr<Renderer>> create(const Config& config);
+  static Result<std::unique_ptr<Renderer>> create(const RendererOptions& options);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -222,14 +233,13 @@ class Renderer {
   Result<Stats> upload(std::uint64_t max_bytes);
 
   // Draws into the current framebuffer and viewport, with depth writes and the depth test GL_LEQUAL
-  // (GL_GEQUAL), so that Pass::kColour after Pass::kDepth gives the same picture. The clear values, the
-  // scissor, the stencil and the colour mask (except in Pass::kDepth) are the host's. Colour is linear, and
+  // (GL_GEQUAL), so that Pass::kColor after Pass::kDepth gives the same picture. The clear values, the
+  // scissor, the stencil and the color mask (except in Pass::kDepth) are the host's. Color is linear, and
   // looks too dark where nothing encodes it: see View::output. Instances whose asset's coarsest level is not
   // uploaded yet are not drawn yet. Instances that cannot be drawn are left out: Stats::left_out. kMisuse,
   // and nothing is drawn: an asset that is unknown or was destroyed, a pose or a palette of another asset
   // (`offset` is the index of the instance), a view that is not sound.
-  Result<Stats> draw(const View& view, std::span<const runtime::Instance> instances,
-                     Pass pass = Pass::kColour);
+  Result<Stats> draw(const View& view, runtime::Instances instances, Pass pass = Pass::kColor);
 
   // GLSL for a host's own vertex or fragment shader, in the context's dialect: kelpTrace(origin, direction,
   // t_max), a ray through posed instances in world space, and related functions (shaders/scene.glsl). Strings
@@ -245,8 +255,8 @@ class Renderer {
   // instance were seen, without the pattern of pixels), the shading and the light; its matrices are used for
   // the levels only. A ray's cost is proportional to Stats::instances, the parts that it may hit. kMisuse: as
   // draw(), and for units that the context does not have.
-  Result<Stats> bindTrace(std::uint32_t program, const View& view,
-                          std::span<const runtime::Instance> instances, int first_unit = kFirstHostUnit);
+  Result<Stats> bindTrace(std::uint32_t program, const View& view, runtime::Instances instances,
+                          int first_unit = kFirstHostUnit);
 
   // Forgets all GL objects without touching them: call it after the context was lost. From then on every call
   // except the destructor is kMisuse.
@@ -260,13 +270,14 @@ class Renderer {
 
 // Bytes of gpu_budget that the asset takes, as far as its grids have been loaded (Asset::pump): all of it
 // after Asset::loadAll. A renderer needs 4 KiB more; from 4 MiB on, round the sum up to a multiple of 4 MiB.
-// `distances`: as Config::distances.
-std::uint64_t poolBytes(const runtime::Asset& asset, bool distances = false);
+// features: those of the renderer; only kDistances matters.
+std::uint64_t poolBytes(const runtime::Asset& asset, Features features = Features::kNone);
 
 // The level of a part of the instance that draw() wants at a pixel of the framebuffer, for a runtime::raycast
 // that meets what is seen. (draw() draws a coarser level until that one is uploaded. It bends swept parts by
-// fewer arcs at coarser levels, which moves them by at most half a voxel of that level.) -1: a view, an
+// fewer arcs at coarser levels, which moves them by at most half a voxel of that level.) nullopt: a view, an
 // instance or a part that cannot be drawn.
-int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel);
+std::optional<int> levelAt(const View& view, const runtime::Instance& instance, int part,
+                           const glm::ivec2& pixel);
 
 }  // namespace kelp::gl

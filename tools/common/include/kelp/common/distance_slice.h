@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A fragment shader that shows distances on a slice through the middle of the view's depth, facing the
 // camera, and its uniforms. Comes after the text of kelp::gl::Renderer::traceGlsl(), which needs
-// gl::Config::distances.
+// gl::RendererOptions::distances.
 #pragma once
 
 #include <glm/glm.hpp>

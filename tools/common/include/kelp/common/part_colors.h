@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The colours of parts, each by its own or by how closely it follows a skin, and how they get onto a picture:
-// as GLSL for kelp::gl::Config::surface_glsl, and the texture that it reads.
+// as GLSL for kelp::gl::RendererOptions::surface_glsl, and the texture that it reads.
 #pragma once
 
 #include <optional>
