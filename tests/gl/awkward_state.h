@@ -10,7 +10,7 @@ enum class Awkward {
   // nothing has its initial value; nothing could be drawn (no pixel is left by scissor, discard, logic
   // operation)
   kEverything,
-  // as that, but what runtime/gl/README.md leaves to the host or asks of it is as it was: a picture comes
+  // as that, but what runtime/HOST_GUIDE.md leaves to the host or asks of it is as it was: a picture comes
   // out, and the same
   kDrawable,
 };

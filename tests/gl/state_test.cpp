@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// kelp leaves the GL state as it finds it, or touches what runtime/gl/README.md lists and no more; it draws
+// kelp leaves the GL state as it finds it, or touches what runtime/HOST_GUIDE.md lists and no more; it draws
 // the same picture whatever it finds; and what the host has under way (queries, transform feedback,
 // conditional rendering) goes on.
 #include <cstdio>
@@ -206,7 +206,7 @@ TEST_P(StateTest, NothingIsRememberedFromDrawToDraw) {
   }
 }
 
-// The table "What is touched" of runtime/gl/README.md. A name that ends in a star stands for all that begin
+// The table "What is touched" of runtime/HOST_GUIDE.md. A name that ends in a star stands for all that begin
 // so; "unit A" is the active one.
 struct Touched {
   unsigned calls;

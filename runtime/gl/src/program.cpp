@@ -21,7 +21,7 @@ constexpr char kRaysDefine[] = "#define KELP_SECONDARY_RAYS\n",
                kDistancesDefine[] = "#define KELP_DISTANCES\n",
                kGradientDefine[] = "#define KELP_GRADIENT_ONLY\n";
 
-// Compilers name a place as STRING:LINE. These are the numbers of the strings, which runtime/gl/README.md
+// Compilers name a place as STRING:LINE. These are the numbers of the strings, which runtime/HOST_GUIDE.md
 // lists for the host.
 constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
                kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n",

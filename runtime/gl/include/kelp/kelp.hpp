@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // All of kelp that a game uses: packs in memory, poses, springs, queries, and the renderer. Start reading
 // with kelp/runtime/asset.h and kelp/gl/renderer.h. Other files that headers name, such as
-// runtime/gl/README.md, formats/SPEC.md and shaders/surface.glsl, lie in kelp's source tree, and in
+// runtime/HOST_GUIDE.md, formats/SPEC.md and shaders/surface.glsl, lie in kelp's source tree, and in
 // share/doc/kelp where kelp is installed.
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Draws instances with OpenGL 3.3 core or OpenGL ES 3.0, into the framebuffer that the host has bound. Call
 // these functions on the thread that made the renderer, with its context current; on another one they are
-// KELP_ERROR_WRONG_THREAD and do nothing. runtime/gl/README.md says what state changes. Include kelp/kelp.h.
+// KELP_ERROR_WRONG_THREAD and do nothing. runtime/HOST_GUIDE.md says what state changes. Include kelp/kelp.h.
 #ifndef KELP_C_RENDERER_H
 #define KELP_C_RENDERER_H
 

@@ -17,7 +17,7 @@ namespace kelp::gl {
 // What happens to the GL state that a call changes.
 enum class State : std::uint8_t {
   kRestore,  // every call leaves the state as it found it
-  kLeave,    // nothing is restored; runtime/gl/README.md lists what kelp changes
+  kLeave,    // nothing is restored; runtime/HOST_GUIDE.md lists what kelp changes
 };
 
 // What a renderer can do beyond drawing. Each costs something even in frames that do not use it.
@@ -57,7 +57,7 @@ struct RendererOptions {
   const char* surface_glsl = nullptr;
   Features features = Features::kNone;  // a set: Features::kSecondaryRays | Features::kDistances
   // Gets the messages of the GLSL compiler or linker when they make create() or add() fail
-  // (runtime/gl/README.md explains STRING:LINE in them), and once for each asset why an instance of it was
+  // (runtime/HOST_GUIDE.md explains STRING:LINE in them), and once for each asset why an instance of it was
   // left out (Stats::left_out). `text` is valid during the call only. Null: no callback.
   void (*log)(void* user, const char* text) = nullptr;
   Allocator allocator = {};
