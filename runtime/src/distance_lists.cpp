@@ -55,8 +55,7 @@ Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
 // Calls use(i) for the instances of a list that are drawn and whose box passes test(box), until it returns
 // false.
 template <class Test, class Use>
-Result<void> eachInstance(Instances instances, std::span<const Box> boxes, const Test& test,
-                          const Use& use) {
+Result<void> eachInstance(Instances instances, std::span<const Box> boxes, const Test& test, const Use& use) {
   if (!boxes.empty() && boxes.size() != instances.size()) return misuse("not as many boxes as instances");
   for (std::size_t i = 0; i < instances.size(); ++i) {
     if (!boxes.empty() && !test(boxes[i])) continue;
@@ -72,8 +71,7 @@ Result<void> eachInstance(Instances instances, std::span<const Box> boxes, const
 }
 
 template <class One>
-Result<std::optional<int>> overlapsOne(Instances instances, const One& shape,
-                                       std::span<const Box> boxes) {
+Result<std::optional<int>> overlapsOne(Instances instances, const One& shape, std::span<const Box> boxes) {
   if (const char* fault = faultOf(shape)) return misuse(fault);
   const Box around = boxOf(shape);
   std::optional<int> found;
@@ -127,13 +125,12 @@ Result<ClosestPoint> closestPoint(Instances instances, const glm::vec3& point, f
   return nearest;
 }
 
-Result<std::optional<int>> overlaps(Instances instances, const Shape& shape,
-                                    std::span<const Box> boxes) {
+Result<std::optional<int>> overlaps(Instances instances, const Shape& shape, std::span<const Box> boxes) {
   return std::visit([&](const auto& one) { return overlapsOne(instances, one, boxes); }, shape);
 }
 
-Result<SphereCast> sphereCast(Instances instances, const glm::vec3& from, const glm::vec3& to,
-                              float radius, std::span<const Box> boxes) {
+Result<SphereCast> sphereCast(Instances instances, const glm::vec3& from, const glm::vec3& to, float radius,
+                              std::span<const Box> boxes) {
   if (!isWay(from, to) || !isRadius(radius)) return misuse("a way that is not finite or has no length");
   const Box around = boxOf(Capsule{from, to, radius});
   SphereCast nearest;

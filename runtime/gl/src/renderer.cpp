@@ -320,8 +320,8 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
 
 std::span<const char* const> Renderer::traceGlsl() const { return impl_->trace_strings; }
 
-Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view,
-                                  runtime::Instances instances, int first_unit) {
+Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, runtime::Instances instances,
+                                  int first_unit) {
   Impl& self = *impl_;
   const Api& api = self.api;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};

@@ -44,8 +44,7 @@ struct Distance {
   std::optional<int> part;  // whose distance it is; none: there is no solid
   int level = 0;            // of the distances that answered
 };
-Result<Distance> distance(Instances instances, const glm::vec3& point,
-                          std::span<const Box> boxes = {});
+Result<Distance> distance(Instances instances, const glm::vec3& point, std::span<const Box> boxes = {});
 
 struct ClosestPoint {
   glm::vec3 point{0};         // of the solid
@@ -79,8 +78,7 @@ using Shape = std::variant<Sphere, Capsule, OrientedBox>;
 // The index of the first instance whose solid the shape touches; nullopt: none. An overlap is never missed.
 // One may be found where the solid is only near: within a voxel of the shape, within two where the instance's
 // matrix shears. Also if a search would take too long.
-Result<std::optional<int>> overlaps(Instances instances, const Shape& shape,
-                                    std::span<const Box> boxes = {});
+Result<std::optional<int>> overlaps(Instances instances, const Shape& shape, std::span<const Box> boxes = {});
 
 struct SphereCast {
   bool hit = false;
@@ -94,7 +92,7 @@ struct SphereCast {
 // Moves a sphere (radius at least 0) from one point to another one, and stops it before it touches the solid:
 // it never passes through, and the solid is then within a voxel of it; within two where the instance's matrix
 // shears; and two millionths of the way more, as `t` is rounded. t is 0 if it starts so near.
-Result<SphereCast> sphereCast(Instances instances, const glm::vec3& from, const glm::vec3& to,
-                              float radius, std::span<const Box> boxes = {});
+Result<SphereCast> sphereCast(Instances instances, const glm::vec3& from, const glm::vec3& to, float radius,
+                              std::span<const Box> boxes = {});
 
 }  // namespace kelp::runtime
