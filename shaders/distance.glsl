@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How far a point is from the solid voxels of a posed part, by the distances of its pack (formats/SPEC.md,
-// 5.4). Comes after trace.glsl, with Config::distances only.
+// 5.4). Comes after trace.glsl, with Features::kDistances only.
 //
 // Estimates, not bounds (those are in runtime/include/kelp/runtime/distance.h). Within 3 voxels of a surface
 // they are less than a voxel off at rest, and less than 2.5 in a bent part. Farther away, coarser voxels

@@ -6,7 +6,7 @@
 //     KelpSceneHit hit = kelpTrace(origin, direction, t_max);  // world; t in lengths of `direction`
 //     if (hit.found) color = kelpSurface(hit.surface);         // kelp's own look, or yours (surface.glsl)
 //     bool shadow = kelpBlocked(origin, direction, t_max);     // any hit: for shadows, and cheaper
-//     float distance = kelpDistance(point);                    // with Config::distances
+//     float distance = kelpDistance(point);                    // with Features::kDistances
 //
 // For vertex and fragment shaders. A ray that starts on a surface should start a little off it, or it meets
 // that surface. Right after kelpTrace, kelpVisible and kelpOccluded refer to the part that was hit. kelpTrace

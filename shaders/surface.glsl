@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a hit looks like. A host may replace kelpSurface (kelp::gl::RendererOptions::surface_glsl): its text is
+// The look of a hit. A host may replace kelpSurface (kelp::gl::RendererOptions::surface_glsl): its text is
 // compiled in place of the default below, and may use everything here, in instance.glsl and in the tracing
 // core. It may declare functions and constants of its own.
 //
