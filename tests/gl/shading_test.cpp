@@ -269,8 +269,8 @@ TEST_P(ShadingTest, FacesThatAreCoveredAreNotSeen) {
       draw(*renderer, canvas, view, gl::Shading::kFaces, {loaded.asset.get(), nullptr});
   int top = 0;
   for (int i = 0; i < 160 * 60; ++i) {
-    const auto hit = raycast({loaded.asset.get(), nullptr}, pixelRay(view, i % 160, i / 160));
     const Instance flat{loaded.asset.get(), nullptr};
+    const auto hit = raycast(flat, pixelRay(view, i % 160, i / 160));
     if (!hit || restToVoxel(flat, 0, hit->rest).y < 7.98f || restToVoxel(flat, 0, hit->rest).z > 39.98f)
       continue;
     ++top;
