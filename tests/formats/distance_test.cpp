@@ -142,17 +142,17 @@ TEST(Distance, ArriveAsTheyWereWritten) {
   pack.sockets.clear();
   pack.parts[0].distances = test::makeTinyDistancePack().parts[0].distances;
   std::mt19937 random(3);
-  // Noise makes every brick a stored one: 8 x 8 x 4 of them.
-  std::vector<bool> solid(64 * 64 * 32);
+  // Noise makes every brick a stored one: 6 x 6 x 4 of them.
+  std::vector<bool> solid(48 * 48 * 32);
   for (std::size_t i = 0; i < solid.size(); ++i) solid[i] = random() % 50 == 0;
-  pack.parts[0].size = {64, 64, 32};
+  pack.parts[0].size = {48, 48, 32};
   pack.parts[0].levels.resize(1);
-  pack.parts[0].levels[0].cells.assign(8 * 8 * 4, 0);
+  pack.parts[0].levels[0].cells.assign(6 * 6 * 4, 0);
   pack.parts[0].levels[0].cells[0] = kCellSolid;
   pack.parts[0].levels[0].codes.resize(kBrickVoxels);
   pack.parts[0].levels[0].attributes.resize(26);  // those of the tiny cube
-  pack.parts[0].distances = test::bruteDistancesOf({64, 64, 32}, 1, [&](const glm::ivec3& v) {
-    return bool{solid[static_cast<std::size_t>(v.x + 64 * (v.y + 64 * v.z))]};
+  pack.parts[0].distances = test::bruteDistancesOf({48, 48, 32}, 1, [&](const glm::ivec3& v) {
+    return bool{solid[static_cast<std::size_t>(v.x + 48 * (v.y + 48 * v.z))]};
   });
   ASSERT_EQ(pack.parts[0].distances.size(), 4u);
   for (const RawPack& written : {pack, test::makeTinyDistancePack()}) {

@@ -210,7 +210,8 @@ TEST(SecondReader, RefusesTheSameLies) {
 }
 
 TEST(SecondReader, RefusesLiesAboutSockets) {
-  for (const test::Lie& lie : test::kSocketLies) {
+  for (std::size_t i = 0; i < std::size(test::kSocketLies); i += test::allTests() ? 1 : 4) {
+    const test::Lie& lie = test::kSocketLies[i];
     test::PackSurgeon surgeon(test::tinyBytes());
     lie.tell(surgeon);
     const PackFile file(surgeon.build());
