@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "kelp/formats/raw_pack.h"
+#include "kelp/rig/rig.h"
 
 namespace kelp::rig {
 
@@ -122,5 +123,8 @@ class ClockedMotion {
   double duration_ = 0;
   std::vector<double> cuts_;
 };
+
+// proveClip() of a swept part.
+ClipReport sampleClip(const RawClip& clip, std::uint32_t part, const RawRig& rest, const glm::ivec3& size);
 
 }  // namespace kelp::rig

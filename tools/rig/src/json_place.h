@@ -18,6 +18,19 @@ using Json = nlohmann::ordered_json;  // clips and sockets keep the order in whi
 
 constexpr double kLargest = 1e6;  // of any number: far beyond sense, far from overflow
 
+inline constexpr std::size_t kMaxTextBytes = std::size_t{16} << 20;
+inline constexpr int kMaxDepth = 16;  // the language itself is five deep
+
+// RigError for JSON text that is too long or nested too deeply. Call it before parsing.
+void checkJsonBounds(std::string_view text);
+
+// Line and column, from 1, of byte `offset` of `text`.
+struct LineColumn {
+  std::size_t line = 1;
+  std::size_t column = 1;
+};
+LineColumn lineColumn(std::string_view text, std::size_t offset);
+
 // A value and where it stands.
 struct Place {
   const Json& json;

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "json_place.h"
-#include "json_scan.h"
 #include "kelp/rig/rig.h"
 #include "words.h"
 

@@ -15,7 +15,6 @@
 
 #include "clip_motion.h"
 #include "kelp/rig/rig.h"
-#include "sample_clip.h"
 #include "words.h"
 
 namespace kelp {

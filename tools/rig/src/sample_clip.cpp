@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "sample_clip.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
