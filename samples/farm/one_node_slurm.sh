@@ -83,7 +83,7 @@ KillWait=5
 NodeName=$host NodeAddr=127.0.0.1 CPUs=${KELP_SLURM_CPUS:-$(nproc)} RealMemory=$memory
 PartitionName=all Nodes=$host Default=YES MaxTime=INFINITE
 CONF
-export SLURM_CONF=$folder/slurm.conf
+export SLURM_CONF=$folder/slurm.conf USER=${USER:-$(id -un)}  # Snakemake asks for USER
 
 (umask 077 && head -c 1024 /dev/urandom >"$folder/munge.key")
 munged --foreground --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" \

@@ -6,6 +6,7 @@ Usage: check_farm.py Local|Slurm KELP_BAKE SAMPLES_FARM [unittest options]
 Needs Snakemake; Slurm also munge and slurm-wlm."""
 import contextlib
 import csv
+import getpass
 import json
 import os
 import re
@@ -61,7 +62,7 @@ class Farm(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         subprocess.run([sys.executable, "-B", os.path.join(FARM, "make_assets.py"), self.folder, "--count",
                         str(self.COUNT)], check=True)
-        self.environment = {**os.environ, "PATH": PATH, "XDG_CACHE_HOME": os.path.join(self.folder, ".cache")}
+        self.environment = {**os.environ, "PATH": PATH, "USER": getpass.getuser(), "XDG_CACHE_HOME": os.path.join(self.folder, ".cache")}
 
     def path(self, name):
         return os.path.join(self.folder, name)
