@@ -62,7 +62,8 @@ class Farm(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         subprocess.run([sys.executable, "-B", os.path.join(FARM, "make_assets.py"), self.folder, "--count",
                         str(self.COUNT)], check=True)
-        self.environment = {**os.environ, "PATH": PATH, "USER": getpass.getuser(), "XDG_CACHE_HOME": os.path.join(self.folder, ".cache")}
+        self.environment = {**os.environ, "PATH": PATH, "USER": getpass.getuser(),
+                            "XDG_CACHE_HOME": os.path.join(self.folder, ".cache")}
 
     def path(self, name):
         return os.path.join(self.folder, name)
