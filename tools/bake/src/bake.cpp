@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "fog_look.h"
 #include "info_json.h"
 #include "kelp/common/error.h"
 #include "kelp/common/memory.h"
@@ -19,6 +18,7 @@
 #include "kelp/import/core/memory_estimate.h"
 #include "kelp/import/core/padding.h"
 #include "kelp/voxelize/topology/mesh_counts.h"
+#include "levels.h"
 #include "part_frames.h"
 #include "part_notices.h"
 #include "part_rigs.h"

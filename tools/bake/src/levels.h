@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <glm/vec3.hpp>
+#include "kelp/bake/bake.h"
 
 namespace kelp::bake {
 
-// Levels of a volume: down to a single brick, or as many as were asked for (0: all) if that is fewer.
+// Levels of a volume: down to a single brick, or `asked` if that is fewer (0: all).
 int levelCount(const glm::ivec3& size, int asked);
+
+// The look of a fog part: white, scattering equally to all sides. Where there is heat, it glows in the colors
+// of `ramp`, or of a black body if `ramp` is empty. It is as bright as the ramp where both heat and density
+// are greatest.
+RawFog fogLook(const FogGrid& grid, const std::vector<glm::vec3>& ramp);
 
 }  // namespace kelp::bake
