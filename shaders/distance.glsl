@@ -91,7 +91,7 @@ struct KelpDistances {
   ivec2 bricks;  // along x and y
   ivec3 last;    // voxel
   float side;    // of a voxel
-  float far;     // what is known beyond the band, voxels
+  float far;     // the distance that is certain beyond the band, voxels
 };
 // False: it is not in the pool.
 bool kelpDistancesOf(int level, out KelpDistances d) {

@@ -29,7 +29,7 @@ uniform vec3 kelp_sun_color;
 uniform vec3 kelp_sky_color;
 uniform vec3 kelp_ground_color;
 
-// What the part's samples mean. kelpLoadFog sets these.
+// The meaning of the part's samples. kelpLoadFog sets these.
 vec3 kelp_fog_color;
 float kelp_fog_anisotropy;
 float kelp_fog_glow;
@@ -208,13 +208,13 @@ vec3 kelpWithin(vec3 u, ivec3 cube, ivec3 samples) {
 
 float kelpExtinction(int level) { return kelpFloat(kelp_fog_extinctions + uint(level)) * (1.0 / 65025.0); }
 
-// What the ray has collected.
+// Light and optical depth that the ray has collected.
 struct KelpFog {
   vec3 light;   // that reaches the eye from the fog
   float depth;  // optical
   float s;      // where the fog begins; KELP_NEVER: nowhere
   float unlit;  // share of the sun's light for which no shadow ray was cast yet
-  float lit;    // what the last shadow ray left of the sun's light
+  float lit;    // the sun's light that the last shadow ray left
   int steps;
 };
 
@@ -334,7 +334,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 su
         if (kelp_fog_ramp_colors > 0) {
           KelpCorners heat = kelpCorners(place.brick + KELP_FOG_CHANNEL, cube);
           heat = KelpCorners(heat.low * (1.0 / 255.0), heat.high * (1.0 / 255.0));
-          // What is given off, dimmed by what lies before it: the integral of the line through both rates.
+          // Emitted light, dimmed by the fog before it: the integral of the line through both rates.
           vec2 dimmed =
               exp(-max(vec2(dot(rates, vec2(0.25, -0.0386751)), dot(rates, vec2(0.5386751, 0.25))), 0.0));
           vec3 glow = 0.5 * (dimmed.x * kelpGlow(heat, f1, way.x) + dimmed.y * kelpGlow(heat, f2, way.y));

@@ -161,7 +161,7 @@ int kelpArcsAt() { return kelp_record + KELP_RECORD; }
 int kelpJointsAt() { return kelp_record + KELP_RECORD + 4 * kelp_arc_count; }
 // Texels of so many arcs and their joints.
 int kelpArcTexels(int arcs) { return 6 * arcs + 2; }
-// What follows the spline, and with kelp_motion that of the frame before.
+// The first texel behind the spline, and with kelp_motion behind that of the frame before.
 int kelpRecordEnd() {
   int texels = kelp_arc_count > 0 ? kelpArcTexels(kelp_arc_count) : 3 * kelp_segment_count;
   int end = kelp_record + KELP_RECORD + texels;

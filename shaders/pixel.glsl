@@ -5,7 +5,7 @@ in vec3 kelp_near;
 flat in int kelp_texel;
 
 uniform float kelp_clip_low;  // z / w of the lower clip plane: -1, or 0 with clip control GL_ZERO_TO_ONE
-uniform int kelp_scene;       // what kelp_scene_depth is: 0 nothing, 1 depth, 2 reversed depth
+uniform int kelp_scene;       // kelp_scene_depth holds: 0 nothing, 1 depth, 2 reversed depth
 uniform highp sampler2D kelp_scene_depth;  // one texel for each pixel; rays end there
 
 // Depth buffers round, those of 16 bits by 1/131070. So rays end this much beyond the scene's depth, in the

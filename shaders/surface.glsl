@@ -70,7 +70,7 @@ vec2 kelpJitter(vec2 place) {
 
 #define KELP_WRAP 0.15  // how far beyond the terminator the sun still lights a surface
 
-// Whether voxels of the same part of the same instance are between a point and the light. `distance` in world
+// True if voxels of the same part of the same instance are between a point and the light. `distance` in world
 // units. Start a little off the surface, or the ray meets the surface's own voxel.
 bool kelpOccluded(vec3 world_position, vec3 world_direction, float distance) {
   mat4 to_world = kelpPartToWorld();

@@ -328,7 +328,7 @@ KELP_FN KelpHit kelpTraceSheared(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, floa
   KelpHit hit = kelpNoHit(s_max);
   KelpWalk walk = kelpEnter(KELP_CONTEXT o, r, s_min, s_max);
   if (!walk.going) return hit;
-  // What kelpWalkOn does, in local variables.
+  // kelpWalkOn, in local variables.
   KelpSegment g = walk.g;
   int i = walk.segment;
   float t0 = walk.t0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "checksum.h"
+#include "coding_libraries.h"
 
 #include <new>
 

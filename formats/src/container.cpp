@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <array>
 
-#include "checksum.h"
+#include "coding_libraries.h"
 #include "layout.h"
-#include "zstd_decode.h"
 
 namespace kelp {
 namespace {

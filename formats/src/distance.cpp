@@ -161,7 +161,7 @@ void takeCodes(const std::uint8_t* __restrict squared, const std::uint8_t* __res
   }
 }
 
-// What a field gives the voxels of a brick that are solid, or empty.
+// Writes a field's codes for the solid voxels of a brick, or for the empty ones.
 void takeField(const Field& field, const BrickBits& brick, bool solid, std::uint8_t band,
                std::span<std::uint8_t, kBrickVoxels> codes) {
   for (std::size_t z = 0; z < kBrickSide; ++z) {

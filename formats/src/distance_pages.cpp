@@ -6,12 +6,11 @@
 #include <cstring>
 #include <utility>
 
-#include "checksum.h"
+#include "coding_libraries.h"
 #include "container.h"
 #include "layout.h"
 #include "morton_walk.h"
 #include "voxels.h"
-#include "zstd_decode.h"
 
 namespace kelp {
 namespace {

@@ -47,7 +47,7 @@ void storeDistanceCells(const DistanceLevel& level, std::span<std::byte> chunk);
 void predictDistances(const DistanceLevel& level, std::uint32_t first_slot, std::span<const BrickBits> bits,
                       std::size_t brick, std::span<std::uint8_t, kBrickVoxels> codes);
 
-// What a brick breaks, or null. codes: its 512; predicted: what predictDistances says of it.
+// The rule that the brick breaks, or null. codes: its 512; predicted: predictDistances' answer for it.
 const char* findDistanceFault(const DistanceLevel& level, const glm::ivec3& brick,
                               std::span<const std::uint8_t> codes, std::span<const std::uint8_t> predicted);
 

@@ -8,7 +8,7 @@
 
 namespace kelp {
 
-// What the system calls an open file, and its size.
+// The system's handle of an open file, and its size.
 struct OpenFile {
   std::intptr_t handle = -1;
   std::uint64_t size = 0;

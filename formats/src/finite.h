@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether a number, or every number of a vector, is neither infinite nor NaN.
+// True if a number, or every number of a vector, is neither infinite nor NaN.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,7 @@ inline bool isFinite(const glm::mat4x3& m) {
   return isFinite(m[0]) && isFinite(m[1]) && isFinite(m[2]) && isFinite(m[3]);
 }
 
-// Whether x, y, z, w are a rotation: a quaternion of length 1, up to rounding.
+// True if x, y, z, w are a rotation: a quaternion of length 1, up to rounding.
 inline bool isRotation(const glm::vec4& q) {
   const float norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
   return norm > 0.998f && norm < 1.002f;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "grid_cells.h"
+#include "voxels.h"
 
 #include <algorithm>
 
@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::uint8_t kByteStored = 128, kByteInside = 129;
 
-// What the clearances of the cells before say of that of cell `at`: clearance grows by as much along an axis
-// here as it does in the plane before. Solid bricks and what is outside of the grid count as 0.
+// Predicts the clearance of cell `at` from the cells before it: clearance grows by as much along an axis
+// here as it does in the plane before. Solid bricks and cells outside of the grid count as 0.
 class Prediction {
  public:
   Prediction(std::span<const std::uint32_t> cells, const glm::ivec3& grid) : cells_(cells), grid_(grid) {}

@@ -43,9 +43,9 @@ constexpr bool isKnown(std::uint32_t chunk) {
          chunk == kDgrd || chunk == kDist;
 }
 
-// Whether the chunk consists of pages, which are compressed one by one.
+// True if the chunk consists of pages, which are compressed one by one.
 constexpr bool isPages(std::uint32_t chunk) { return chunk == kBrck || chunk == kFogb || chunk == kDist; }
-// Whether the chunk is a grid over pages.
+// True if the chunk is a grid over pages.
 constexpr bool isGrid(std::uint32_t chunk) { return chunk == kGrid || chunk == kDgrd; }
 
 inline constexpr std::uint32_t kFlagRequired = 1;

@@ -10,7 +10,7 @@
 namespace kelp {
 namespace {
 
-// Whether the matrix has an inverse. The runtime uses both directions.
+// True if the matrix has an inverse. The runtime uses both directions.
 bool isInvertible(const glm::mat4x3& m) {
   const double determinant =
       static_cast<double>(m[0].x) *

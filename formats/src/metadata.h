@@ -75,7 +75,7 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);     // 
 Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);    // call it after parseRigs
 Result<void> parseSockets(std::span<const std::byte> chunk, Metadata& out);  // call it after parseParts
 
-// Whether the text is UTF-8 without overlong forms, surrogates and U+0000. A name must not have control
+// True if the text is UTF-8 without overlong forms, surrogates and U+0000. A name must not have control
 // characters either.
 bool isUtf8(std::string_view text);
 bool isName(std::string_view text);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// RawPack -> bytes of the metadata chunks: the reverse of metadata.h.
+// The pack writer's checks, and its metadata chunks: the reverse of metadata.h.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "kelp/formats/buffer.h"
 #include "kelp/formats/error.h"
@@ -21,5 +22,14 @@ inline constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write th
 [[nodiscard]] bool buildRigs(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildClips(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildSockets(const RawPack& pack, Buffer<std::byte>& out);
+
+inline Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
+
+// Checks that the voxels of a level keep the rules of SPEC.md. kMisuse, with a text, if not.
+Result<void> checkRawLevel(const RawPart& part, std::size_t level, std::size_t palette_size);
+
+// The same for a level of distances, except for its codes, which are checked page by page. Returns the number
+// of stored bricks.
+Result<std::uint32_t> checkRawDistances(const RawDistances& level, const glm::ivec3& grid);
 
 }  // namespace kelp

@@ -6,8 +6,7 @@
 #include <memory>
 #include <new>
 
-#include "checksum.h"
-#include "grid_cells.h"
+#include "coding_libraries.h"
 #include "kelp/formats/fog.h"
 #include "kelp/formats/raw_pack.h"
 #include "layout.h"
@@ -15,7 +14,6 @@
 #include "metadata_writer.h"
 #include "morton_walk.h"
 #include "page_writer.h"
-#include "raw_pack_check.h"
 #include "voxels.h"
 
 namespace kelp {

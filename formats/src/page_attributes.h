@@ -190,7 +190,7 @@ class AttributeCoder {
     last_ = entry | normal << 8;
     return last_;
   }
-  // Whether the normal of the last one was new.
+  // True if the normal of the last one was new.
   bool wasNew() const { return was_new_; }
 
  private:

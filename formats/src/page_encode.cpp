@@ -56,7 +56,7 @@ void readCodes(const Page& page, PageState& state) {
   }
 }
 
-// Whether what the coarser level and the level's size tell is so.
+// True if the solid voxels agree with the coarser level and the level's size.
 bool followsFromAbove(const PageShape& shape, const PageState& state) {
   for (std::size_t b = 0; b < shape.bricks.size(); ++b) {
     std::array<std::uint64_t, 4> blocks{};  // rows of 4 x 4 blocks with a solid voxel
@@ -75,7 +75,7 @@ bool followsFromAbove(const PageShape& shape, const PageState& state) {
   return true;
 }
 
-// Whether the surface voxels follow the rules; and whether those rules alone give them (exact). All rows are
+// True if the surface voxels follow the rules; exact: these rules alone give them. All rows are
 // known.
 bool isSurfaceRight(const PageShape& shape, const PageState& state, bool& exact) {
   coding::Window window;

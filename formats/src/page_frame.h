@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is over the bricks of a page and beside them: what decoding them takes, besides their bytes.
+// The bricks above those of a page and beside them, which decoding them needs besides their bytes.
 #pragma once
 
 #include <array>

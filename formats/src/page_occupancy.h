@@ -13,8 +13,8 @@ inline constexpr std::array<std::int8_t, 27> kWeights = {-4, 1,  -10, 2,  10, 2,
                                                          -2, 7,  3,   6,  10, 2, 2, 9, 7};  // z + 1
 inline constexpr int kWeightBias = 11;
 
-// What a row of the nine says of two voxels beside each other: the sum of three weights of the first in the
-// low half, that of the second in the high half, by the 8 bits of the four voxels there.
+// The weight that a row of the nine gives to two voxels beside each other: the sum of three weights of the
+// first in the low half, that of the second in the high half, by the 8 bits of the four voxels there.
 inline constexpr std::array<std::array<std::int32_t, 256>, 9> kPairWeights = [] {
   std::array<std::array<std::int32_t, 256>, 9> sums{};
   for (std::size_t row = 0; row < 9; ++row)
@@ -54,7 +54,7 @@ inline std::uint32_t coarseRow(std::uint64_t block, std::size_t y, std::size_t z
   return static_cast<std::uint32_t>(block >> (4 * y + 16 * z)) & 15;
 }
 
-// What the coarser level and the level's size tell: the rest is unknown.
+// Marks the voxels that follow from the coarser level and the level's size as known.
 inline void startRows(const PageShape& shape, PageState& state) {
   for (std::size_t b = 0; b < shape.bricks.size(); ++b) {
     const glm::ivec3 room = shape.size - shape.bricks[b] * 8;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What encoder and decoder of a page of a solid level both keep: the models of SPEC.md, 5.3, and which voxels
-// are known.
+// The state that encoder and decoder of a page of a solid level share: the models of SPEC.md, 5.3, and which
+// voxels are known.
 #pragma once
 
 #include <array>
@@ -73,13 +73,13 @@ struct PageState {
   std::array<std::array<std::int16_t, 27>, kMaxPageBricks>
       around;  // bricks of the page, -1: none, -2: outside
   std::array<std::array<std::uint16_t, 512>, kMaxPageBricks> index;  // of the voxel's attribute
-  std::array<std::uint8_t, kMaxPageAttributes> fresh;                // whether its normal was new
+  std::array<std::uint8_t, kMaxPageAttributes> fresh;                // true: its normal was new
 };
 
 // The state in the workspace; null: no memory.
 PageState* prepareState(const PageShape& shape, Buffer<std::byte>& workspace);
 
-// Whether the shape is one of a page.
+// True if the shape is one of a page.
 bool isPageShape(const PageShape& shape);
 
 }  // namespace kelp::coding

@@ -7,14 +7,13 @@
 #include <cstring>
 #include <utility>
 
-#include "checksum.h"
+#include "coding_libraries.h"
 #include "kelp/formats/fog.h"
 #include "layout.h"
 #include "metadata_writer.h"
 #include "page_codec.h"
 #include "page_frame.h"
 #include "worker_threads.h"
-#include "zstd_encode.h"
 
 namespace kelp {
 namespace {
@@ -57,7 +56,7 @@ bool fillDistancePage(const PagePlan& page, Buffer<std::byte>& raw, Buffer<Brick
   return true;
 }
 
-// What a thread needs to pack one page after the other.
+// A thread's memory for packing one page after the other.
 struct Workshop {
   FrameEncoder encoder;
   Buffer<std::byte> raw, frame, workspace;

@@ -65,7 +65,7 @@ class Decoder {
     return value;
   }
 
-  // Whether everything was read, nothing more, and it ended as an encoder ends it.
+  // True if all bytes were read, no more, and the code ended as an encoder ends it.
   bool isAtEnd() const {
     return starts_below_ && at_ == end_ && beyond_ == 2 && code_ < kLeastRange && plain_ == plain_end_ &&
            pool_ == 0 && pool_bits_ / 8 == missing_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "raw_pack_check.h"
+#include "metadata_writer.h"
 
 #include <array>
 #include <span>

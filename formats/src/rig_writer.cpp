@@ -5,7 +5,7 @@
 #include <memory>
 #include <new>
 
-#include "checksum.h"
+#include "coding_libraries.h"
 #include "container.h"
 #include "kelp/formats/raw_pack.h"
 #include "layout.h"
@@ -97,7 +97,7 @@ class RigWriter {
 
   // Builds the new tables and checks them with the functions of the reader.
   Result<void> packTables() {
-    RawPack pack;  // what is built here reads only rigs, clips and sockets
+    RawPack pack;  // the builders used here read only rigs, clips and sockets
     pack.parts.resize(rigs_.parts.size());
     for (std::size_t i = 0; i < pack.parts.size(); ++i) {
       pack.parts[i].knots = rigs_.parts[i].knots;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include <glm/common.hpp>
+
 #include "finite.h"
 #include "layout.h"
 
@@ -102,7 +104,7 @@ bool areFine(std::span<const Knot> knots) {
   return ascends && sizes < kSafe && least_rise > 0.0f && least_room >= 0.0f;
 }
 
-// Whether the coefficients computed in float are finite.
+// True if the coefficients computed in float are finite.
 bool staysFinite(const Segment& s) {
   for (const bool end : {false, true}) {
     const Power f = powerFrom(s, end);
@@ -209,6 +211,23 @@ Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size) {
   // Every copy of the base spans [0, X] x [0, Z] from the spline.
   box.max += glm::vec3(static_cast<float>(size.x), 0.0f, static_cast<float>(size.z));
   return box;
+}
+
+// Each coordinate of a corner is a sum of one of two numbers per axis, so its extremes are sums of extremes,
+// rounding included (Arvo 1990).
+Box transformed(const glm::mat4& matrix, const Box& box) {
+  Box result;
+  if (box.empty()) return result;
+  glm::vec3 low[3], high[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const glm::vec3 column(matrix[axis]), a = box.min[axis] * column, b = box.max[axis] * column;
+    low[axis] = glm::min(a, b);
+    high[axis] = glm::max(a, b);
+  }
+  const glm::vec3 origin(matrix[3]);
+  result.min = (low[0] + low[1]) + (low[2] + origin);
+  result.max = (high[0] + high[1]) + (high[2] + origin);
+  return result;
 }
 
 }  // namespace kelp

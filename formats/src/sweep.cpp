@@ -266,7 +266,7 @@ class ChainMaker {
     chain_.joints[chain_.count].plane = glm::vec4(glm::vec3(at_.along), -dot(at_.along, at_.at));
   }
 
-  // What normals see of the joints, the height of the last, and the bounds.
+  // The joints' curvature for normals, the height of the last, and the bounds.
   void finish(double y) {
     const int last = chain_.count;
     for (int i = 0; i <= last; ++i) {

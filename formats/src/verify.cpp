@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "checksum.h"
+#include "coding_libraries.h"
 #include "container.h"
 #include "distance_pages.h"
 #include "kelp/formats/fog.h"
@@ -323,7 +323,7 @@ class Verifier {
     if (outside) broken(IssueId::kFogOutside, "a sample of fog lies outside the level");
   }
 
-  // Whether a brick of the current page of fog has something outside the level.
+  // True if a brick of the current page of fog has samples outside the level.
   bool holdsOutside(const PageInfo& page, std::uint32_t brick, const glm::ivec3& at) const {
     const glm::ivec3 samples = levelSize(model_.parts[static_cast<std::size_t>(part_)].size, level_);
     for (int channel = 0; channel < page.channels; ++channel) {

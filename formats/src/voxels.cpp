@@ -5,17 +5,15 @@
 #include <cstring>
 #include <utility>
 
-#include "checksum.h"
+#include "coding_libraries.h"
 #include "container.h"
 #include "eight_codes.h"
-#include "grid_cells.h"
 #include "kelp/formats/empty_boxes.h"
 #include "kelp/formats/fog.h"
 #include "layout.h"
 #include "morton_walk.h"
 #include "page_codec.h"
 #include "page_frame.h"
-#include "zstd_decode.h"
 
 namespace kelp {
 namespace {

@@ -10,7 +10,7 @@
 
 namespace kelp {
 
-// What the grid of a level divides: voxels of a solid part, cubes of fog. And the channels of its pages.
+// The space that a level's grid divides (voxels of a solid part, cubes of fog) and the channels of its pages.
 struct Lattice {
   glm::ivec3 size{0};
   int channels = 0;  // see PageInfo
@@ -42,7 +42,7 @@ Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chu
                                 const Pack::ChunkInfo& bricks, const Lattice& lattice, const Limits& limits,
                                 const Allocator& allocator);
 
-// Whether the page's numbers are possible. If so, its memory is bounded.
+// True if the page's numbers are possible; then its memory is bounded.
 bool isPossiblePage(const PageInfo& page);
 
 // Adds ranks to the codes of a page: whole bricks, where each surface voxel has code 64.
@@ -60,7 +60,7 @@ Result<void> decodeSolidPage(const Source& source, const LevelGrid& grid, std::s
 std::span<const std::uint8_t> fogChannel(const PageData& page, int channel);
 // Index of the first brick of fog that is clear, or -1. channels: as in PageData::fog.
 std::int64_t findClearBrick(std::span<const std::uint8_t> fog, int channels);
-// Whether a brick of fog has a sample that is not 0 outside a level of `samples`. brick: its place in the
+// True if a brick of fog has a sample that is not 0 outside a level of `samples`. brick: its place in the
 // grid. channel: its 729 samples.
 bool hasFogOutside(std::span<const std::uint8_t> channel, const glm::ivec3& brick, const glm::ivec3& samples);
 
@@ -68,8 +68,19 @@ bool hasFogOutside(std::span<const std::uint8_t> channel, const glm::ivec3& bric
 std::int64_t findBrickWithoutSurface(std::span<const std::uint8_t> codes);
 // Index of the first attribute whose palette index is not below `palette_size`, or -1.
 std::int64_t findWrongPaletteIndex(std::span<const std::uint32_t> attributes, std::size_t palette_size);
-// Whether a brick has a solid voxel outside a level of `size` voxels. codes: its 512 codes. brick: its place
+// True if a brick has a solid voxel outside a level of `size` voxels. codes: its 512 codes. brick: its place
 // in the grid.
 bool hasSolidOutside(std::span<const std::uint8_t> codes, const glm::ivec3& brick, const glm::ivec3& size);
+
+// Cells as the file has them, a byte each: SPEC.md, 5.2. Writes the bytes of a level's cells
+// (kelp/formats/raw_pack.h). bytes: one a cell.
+void storeCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid, std::span<std::byte> bytes);
+
+// How many of the bricks are stored, at least 1. The offset of an error is the index of the byte.
+Result<std::uint32_t> countStored(std::span<const std::byte> bytes);
+
+// Fills out.cells and out.bricks, which have their size, with what the bytes say. out.size, out.grid and
+// out.pages are known. Boxes are left 0. The offset of an error is the index of the byte.
+Result<void> loadCells(std::span<const std::byte> bytes, int channels, LevelGrid& out);
 
 }  // namespace kelp

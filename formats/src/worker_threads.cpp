@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The only file of formats that is compiled with exceptions: std::thread throws if there are no more
-// threads.
+// threads. Emscripten has threads only in programs that are compiled for them as a whole.
 #include "worker_threads.h"
 
 #include <thread>
@@ -8,6 +8,9 @@
 
 namespace kelp {
 
+#if defined(__EMSCRIPTEN__) && !defined(__EMSCRIPTEN_PTHREADS__)
+void runOnThreads(int, void (*work)(void* user), void* user) { work(user); }
+#else
 void runOnThreads(int threads, void (*work)(void* user), void* user) {
   std::vector<std::thread> others;
   try {
@@ -19,5 +22,6 @@ void runOnThreads(int threads, void (*work)(void* user), void* user) {
   work(user);
   for (std::thread& thread : others) thread.join();
 }
+#endif
 
 }  // namespace kelp

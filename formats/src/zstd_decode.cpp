@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "zstd_decode.h"
+#include "coding_libraries.h"
 
 #include <cstdint>
 #include <cstring>

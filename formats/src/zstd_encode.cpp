@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "zstd_encode.h"
+#include "coding_libraries.h"
 
 #include <zstd.h>
 

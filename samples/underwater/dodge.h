@@ -17,7 +17,7 @@ class Dodge {
   // Moves the posts for `passed` seconds. `swum` is how far along the lane the head is since the beginning,
   // rounds included, and never falls. The body behind it is `length` meters long and `radius` thick.
   void update(Solids& solids, const Lane& lane, double swum, float length, float radius, float passed);
-  // Whether something is so near the body that it might touch.
+  // True if something is so near the body that it might touch.
   bool tight() const { return tight_; }
   // How far off the lane (world), `ahead` meters ahead of the head. Smooth.
   glm::vec3 at(float ahead) const;

@@ -33,9 +33,9 @@ class Library {
   // Once a frame, after it was drawn: what it lacked is read by the thread, which sleeps when there is
   // nothing to read.
   void ask();
-  // Whether every request has been read.
+  // True if every request has been read.
   bool idle() const;
-  // Whether a pack turned out to be bad while it was read: the thread has said so on stderr, and what is
+  // True if a pack turned out to be bad while it was read: the thread has printed the error, and what is
   // sound is drawn.
   bool damaged() const;
 

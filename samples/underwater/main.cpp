@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 // A reef to look at: the window, its keys, the clock and the loop. Stage draws, Reef lives.
-#include "program.h"  // OpenGL's header, first
+#include "scenery.h"  // OpenGL's header, first
 
+#include <charconv>
+#include <cmath>
 #include <cstdio>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "../write_ppm.h"
-#include "arguments.h"
 #include "reef.h"
 #include "stage.h"
 
@@ -18,14 +22,66 @@ constexpr float kSwimSpeed = 1.6f;     // meters a second
 constexpr float kPixelTurn = 0.004f;   // radians
 constexpr float kPlayerRadius = 0.6f;  // meters
 
-// Prints what failed and why. Returns the exit code: 2 for input or output, 4 for graphics, 3 for the pack.
+const char* const kUsage =
+    "usage: underwater PACKS_FOLDER [--plants N] [--size WxH] [--start SECONDS] [--frames N [PICTURE.ppm]]\n"
+    "Shows a reef made of kelp_plant, sea_grass, dulse, fish and fusilier, whose packs are in the folder.\n"
+    "Drag the mouse to look round, W A S D Q E to swim, C to give the camera back. With --frames it ends "
+    "after N\n"
+    "frames, a thirtieth of a second apart, and saves the last as a picture.\n";
+
+struct Arguments {
+  std::string packs;    // folder
+  std::string picture;  // of the last frame; empty: none
+  int frames = 0;       // 0: until the window is closed
+  int plants = 400;
+  double start = 0;            // seconds into the scene
+  glm::ivec2 size{1280, 720};  // pixels
+};
+
+template <class T>
+bool read(std::string_view word, T low, T high, T& value) {
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  // false for a NaN
+  return error == std::errc() && end == word.data() + word.size() && value >= low && value <= high;
+}
+
+// The command line, or none if it is not as kUsage says.
+std::optional<Arguments> parse(int count, const char* const* words) {
+  Arguments a;
+  for (int i = 1; i < count; ++i) {
+    const std::string_view word = words[i];
+    const bool option = word.starts_with("-");
+    const std::string_view value = option && i + 1 < count ? words[++i] : "";
+    bool good = false;
+    if (word == "--plants") {
+      good = read(value, 0, 20000, a.plants);
+    } else if (word == "--size") {
+      const std::size_t by = value.find('x');
+      good = by != value.npos && read(value.substr(0, by), 16, 16384, a.size.x) &&
+             read(value.substr(by + 1), 16, 16384, a.size.y);
+    } else if (word == "--start") {
+      good = read(value, 0.0, 1e6, a.start);
+    } else if (word == "--frames") {
+      good = read(value, 1, 1000000, a.frames);
+      if (good && i + 1 < count && words[i + 1][0] != '-') a.picture = words[++i];
+    } else if (!option && a.packs.empty() && !word.empty()) {
+      a.packs = word;
+      good = true;
+    }
+    if (!good) return std::nullopt;
+  }
+  if (a.packs.empty()) return std::nullopt;
+  return a;
+}
+
+// Prints the error. Returns the exit code: 2 for input or output, 4 for graphics, 3 for the pack.
 int fail(const std::string& what, const kelp::Error& error) {
   std::fprintf(stderr, "underwater: %s: %s: %s\n", what.c_str(), kelp::toString(error.code), error.detail);
   if (error.code == kelp::ErrorCode::kIo) return 2;
   return error.code == kelp::ErrorCode::kGraphics || error.code == kelp::ErrorCode::kOutOfMemory ? 4 : 3;
 }
 
-// What the user does with mouse and keys since the last frame.
+// Mouse and keys since the last frame.
 class Controls {
  public:
   explicit Controls(GLFWwindow* window) : window_(window) { glfwGetCursorPos(window, &mouse_.x, &mouse_.y); }

@@ -3,7 +3,6 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "current.h"
 #include "terrain.h"
 
 namespace underwater {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "random.h"
 #include "terrain.h"
 
 namespace underwater {

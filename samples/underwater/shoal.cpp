@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "random.h"
 #include "terrain.h"
 
 namespace underwater {

@@ -23,7 +23,7 @@ class Shoal {
   void update(double seconds, float passed, Solids& solids);
   // Writes size() instances, whose poses stay the shoal's.
   void place(std::span<kelp::runtime::Instance> instances) const;
-  // What plants feel of the fish as they are now: kBalls along the body of each that is near a plant.
+  // Balls that push plants: kBalls along the body of each fish that is near a plant.
   std::span<const kelp::runtime::Sphere> balls() const { return balls_; }
   static constexpr int kBalls = 4;
   std::size_t size() const { return fish_.size(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What fish keep clear of: the plants as they are bent now, and the sand.
+// The obstacles of fish: the plants as they are bent now, and the sand.
 #pragma once
 
 #include <optional>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "glsl.h"
+#include "scenery.h"
 #include "terrain.h"
 
 namespace underwater {

@@ -7,9 +7,7 @@
 #include "camera.h"
 #include "kelp/gl/renderer.h"
 #include "library.h"
-#include "sea_floor.h"
-#include "sun_map.h"
-#include "water.h"
+#include "scenery.h"
 
 namespace underwater {
 

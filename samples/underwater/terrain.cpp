@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "terrain.h"
 
+#include <cmath>
+
 namespace underwater {
 namespace {
 
@@ -38,6 +40,42 @@ float bareSand(const glm::vec2& at) {
   const float patches = glm::sin(0.9f * at.x - 0.3f) + glm::sin(1.1f * at.y + 0.5f * at.x + 0.8f);
   return glm::smoothstep(-0.4f, 0.9f, patches) *
          (1 - glm::smoothstep(0.7f * kGladeRadius, 1.2f * kGladeRadius, glm::length(at)));
+}
+
+glm::vec2 currentAt(const glm::vec2& at, double seconds) {
+  const auto wave = [&](float x, float z, double period) {
+    return static_cast<float>(std::sin(6.283185307 * (seconds / period - (x * at.x + z * at.y))));
+  };
+  const float surge = 0.07f + 0.10f * wave(0.045f, 0.02f, 7.0) + 0.035f * wave(-0.06f, 0.11f, 3.1);
+  return {surge, 0.35f * surge + 0.04f * wave(0.09f, -0.05f, 4.3)};
+}
+
+FloorMesh makeFloorMesh(float radius, int rings, int spokes) {
+  FloorMesh mesh;
+  const auto add = [&mesh](const glm::vec2& at) {
+    mesh.vertices.push_back({{at.x, sandHeight(at), at.y}, sandNormal(at)});
+  };
+  add(glm::vec2(0));
+  for (int ring = 1; ring <= rings; ++ring) {
+    const float share = static_cast<float>(ring) / static_cast<float>(rings),
+                distance = radius * share * (0.4f + 0.6f * share);
+    for (int spoke = 0; spoke < spokes; ++spoke) {
+      const float angle = 6.2831853f * static_cast<float>(spoke) / static_cast<float>(spokes);
+      add(distance * glm::vec2(glm::cos(angle), glm::sin(angle)));
+    }
+  }
+  const auto index = [spokes](int ring, int spoke) {
+    return ring == 0 ? 0u : static_cast<std::uint32_t>(1 + (ring - 1) * spokes + spoke % spokes);
+  };
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int spoke = 0; spoke < spokes; ++spoke) {
+      const std::uint32_t a = index(ring, spoke), b = index(ring, spoke + 1), c = index(ring + 1, spoke),
+                          d = index(ring + 1, spoke + 1);
+      mesh.indices.insert(mesh.indices.end(), {a, d, c});
+      if (ring > 0) mesh.indices.insert(mesh.indices.end(), {a, b, d});
+    }
+  }
+  return mesh;
 }
 
 }  // namespace underwater

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// What water does to light on its way down, and on its way to the eye. The voxels' surface function and the
-// triangles' programs include this one text and share its uniform block.
+// The water's effect on light on its way down, and on its way to the eye. The voxels' surface function and
+// the triangles' programs include this one text and share its uniform block.
 
-layout(std140) uniform Water {   // water.h has the same in C++
+layout(std140) uniform Water {  // scenery.h has the same in C++
   mat4 water_world_to_clip;
   mat4 water_clip_to_world;
-  mat4 water_world_to_sun;       // to the texture of the sun's shadow map, 0 .. 1
-  vec4 water_eye;                // world; w: seconds
-  vec4 water_sun;                // towards the sun, unit; w: height of the water's surface
+  mat4 water_world_to_sun;  // to the texture of the sun's shadow map, 0 .. 1
+  vec4 water_eye;           // world; w: seconds
+  vec4 water_sun;           // towards the sun, unit; w: height of the water's surface
 };
 
 uniform sampler2DShadow water_sun_map;

@@ -63,7 +63,7 @@ export class KelpView extends (globalThis.HTMLElement ?? Object) {
     for (const type of ['progress', 'open', 'picture', 'fine', 'problem', 'restored', 'camera'])
       view.addEventListener(type, ({detail}) => this.dispatchEvent(new CustomEvent(type, {detail})));
     view.addEventListener('problem', ({detail}) => this.say(detail, true));
-    for (const type of ['open', 'restored'])  // what went wrong before is over
+    for (const type of ['open', 'restored'])  // an earlier error is over
       view.addEventListener(type, () => this.say(''));
     view.addEventListener('progress', ({detail}) => this.#showProgress(detail));
     view.addEventListener('fine', () => { this.#progress.hidden = true; });

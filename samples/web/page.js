@@ -31,7 +31,7 @@ function keepLink() {
   waiting = setTimeout(() => view?.description && history.replaceState(null, '', linkOf()), 200);
 }
 
-// What a link says. Numbers that are none are left out: anybody can write a link.
+// Reads a link. Text in place of a number is left out: anybody can write a link.
 function applyLink(link) {
   const number = (key) => link.has(key) && Number.isFinite(Number(link.get(key))) ? Number(link.get(key)) : null;
   const camera = {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What kelp's tracer of swept parts is compared with: constant steps through the slices that a ray meets,
+// The yardstick of kelp's tracer of swept parts: constant steps through the slices that a ray meets,
 // each sample mapped back to the part at rest. In the same subset of GLSL and C++ as trace.glsl. Comes after
 // arc.glsl; the text before defines what sweep.glsl wants, and PAPER_FETCH and PAPER_STEP as for paper.glsl.
 
@@ -41,7 +41,7 @@ KELP_FN vec4 stepsMap(KELP_CONTEXT_ vec3 point) {
   return found;
 }
 
-// Whether there is a solid voxel at a place at rest.
+// True if there is a solid voxel at a place at rest.
 KELP_FN bool stepsSolid(KELP_CONTEXT_ vec3 rest) {
   ivec3 voxel = clamp(ivec3(floor(rest)), ivec3(0), KELP_LEVEL_SIZE - ivec3(1));
   return PAPER_FETCH(voxel) == 0.0f;

@@ -16,10 +16,9 @@
 
 #include "../fields/volumes.h"
 #include "bench_bake_peers.h"
+#include "coding_libraries.h"
 #include "kelp/formats/pack.h"
 #include "support/scratch.h"
-#include "zstd_decode.h"
-#include "zstd_encode.h"
 
 namespace kelp::bench {
 namespace {
@@ -138,7 +137,7 @@ void copyInParts(const std::vector<std::uint32_t>& from, std::vector<std::uint32
   for (std::thread& worker : workers) worker.join();
 }
 
-// Whether a peer's squares are kelp's at every empty voxel.
+// True if a peer's squares are kelp's at every empty voxel.
 bool agrees(const EdtRun& run, const fields::Occupancy& volume, const std::vector<std::uint32_t>& squared) {
   if (run.squared.size() != squared.size()) return false;
   for (std::size_t i = 0; i < squared.size(); ++i) {

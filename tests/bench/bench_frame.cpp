@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a frame of 2,000 animated instances costs: the CPU's part beside GLM's mat4 products of the same run,
+// The time of a frame of 2,000 animated instances: the CPU's part beside GLM's mat4 products of the same run,
 // on a GL that does nothing, and the whole frame on the GL that is there. README.md here.
 //   bench_frame [--json FILE] [--rounds N] [--size WxH] [--cpu | --gl] [--foxes]
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kInstances = 2000;
 
-// What every loop below writes its results to, so that none is thought useless.
+// Every loop below writes its results here, so that the compiler removes none.
 volatile float sink = 0;
 
 struct Row {

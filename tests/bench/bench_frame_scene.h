@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What bench_frame measures with: eight assets made in memory, and crowds of them.
+// The scene of bench_frame: eight assets made in memory, and crowds of them.
 #pragma once
 
 #include <memory>
@@ -34,7 +34,7 @@ class Library {
 // Instances of the assets by turns, one pose each.
 struct Crowd {
   Crowd(const Library& assets, std::size_t count, int which_clip = 0);
-  // What a host does with each instance, each frame: back to rest, and the clip at a moment of its own.
+  // A host's work on each instance in each frame: back to rest, and the clip at a moment of its own.
   void update();
 
   const Library& library;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the CPU says about the rays of a view: which meet the deformed box, what the C++ build of trace.glsl
-// finds, what is true.
+// The CPU's results for the rays of a view: which meet the deformed box, the hits of the C++ build of
+// trace.glsl, and the ground truth.
 #pragma once
 
 #include <cstdint>

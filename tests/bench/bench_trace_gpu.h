@@ -17,13 +17,13 @@ inline constexpr std::array<Method, 6> kMethods{Method::kStandard,       Method:
                                                 Method::kStandardSlices, Method::kDf,
                                                 Method::kDfWorld,        Method::kKelp};
 const char* toString(Method method);
-// Whether parts that bend so are drawn by it.
+// True if the method draws parts that bend so.
 inline bool draws(Method method, Bend bend) {
   if (method == Method::kStandard || method == Method::kKelp) return true;
   return (bend == Bend::kSweep) == (method == Method::kStandardSlices);
 }
 
-// What one ray did; all zero and s = -1 where the ray misses the bounds.
+// The counts of one ray; all zero and s = -1 where the ray misses the bounds.
 struct Count {
   float s = -1;  // of the hit, or -1
   float steps = 0;

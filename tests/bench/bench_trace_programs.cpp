@@ -16,8 +16,8 @@ constexpr char kVertexText[] = R"(#version 330 core
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }
 )";
 
-// What all methods share, and what trace.glsl, sweep.glsl and paper.glsl want defined. The number of segments
-// and of arcs are uniforms, as they are data in the product.
+// The common text of all methods, with the macros of trace.glsl, sweep.glsl and paper.glsl. The number of
+// segments and of arcs are uniforms, as they are data in the product.
 constexpr char kPrelude[] = R"(#version 330 core
 uniform sampler2D bench_origin;
 uniform sampler2D bench_direction;
@@ -85,7 +85,7 @@ void main() {
 }
 )";
 
-// What each method fetches from, and its call. Macros, so that the programs have no branch that another
+// Each method's fetches and its call. Macros, so that the programs have no branch that another
 // method needs.
 std::string definesOf(Method method, Bend bend) {
   const std::string swept = bend == Bend::kSweep ? "#define KELP_SWEPT true\n" : "#define KELP_SWEPT false\n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a run found, as a table and as JSON.
+// The results of a run, as a table and as JSON.
 #pragma once
 
 #include <filesystem>

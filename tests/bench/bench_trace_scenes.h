@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What bench_trace draws: the scenes of the paper's Table 1 at its sizes, and models that bend by an angle in
+// The scenes of bench_trace: those of the paper's Table 1 at its sizes, and models that bend by an angle in
 // both maps. From files, voxelized by kelp::bake, or made.
 #pragma once
 
@@ -34,7 +34,7 @@ struct Scene {
   } poses = Poses::kSines;
 };
 
-// What the names of scenes of swept parts end in; without it, the same models sheared.
+// The ending of the names of swept scenes; without it, the same models sheared.
 inline constexpr char kSweptEnding[] = " swept";
 
 // The names that makeScene takes.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""What packs take: bytes of the file, in memory and in the renderer's pool on the GPU, each without and with
+"""The size of packs: bytes of file, in memory and in the renderer's pool on the GPU, each without and with
 distances. README.md here.
 
 tests/bench/budget.py build/release/runtime/c/libkelp.so PACK..."""

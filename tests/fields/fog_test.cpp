@@ -72,7 +72,7 @@ std::vector<NamedFog> fogs() {
   return all;
 }
 
-// Whether a sample is something; those beyond the level are not.
+// True if a sample is not 0; samples beyond the level are.
 bool something(const FogSamples& fog, const glm::ivec3& v) {
   if (v.x >= fog.size.x || v.y >= fog.size.y || v.z >= fog.size.z) return false;
   return fog.density[at(fog.size, v)] != 0 || (!fog.heat.empty() && fog.heat[at(fog.size, v)] != 0);
@@ -241,7 +241,7 @@ TEST(Fog, CoarserLevelsAreMeansOfEight) {
     if (greatest > 0) {
       EXPECT_EQ(*std::max_element(coarse.density.begin(), coarse.density.end()), 255);
     }
-    // What is clear is clear at the finer level.
+    // A clear cube is clear at the finer level.
     forEach(fog.size,
             [&](const glm::ivec3& v) { ASSERT_TRUE(!something(fog, v) || something(coarse, v / 2)); });
   }

@@ -116,7 +116,7 @@ int cheapestCode(std::uint64_t empty) {
   return best;
 }
 
-// Whether any brick in [low, high] is stored.
+// True if any brick in [low, high] is stored.
 bool anyStored(const RawLevel& level, const glm::ivec3& grid, const glm::ivec3& low, const glm::ivec3& high) {
   for (int z = std::max(low.z, 0); z <= std::min(high.z, grid.z - 1); ++z) {
     for (int y = std::max(low.y, 0); y <= std::min(high.y, grid.y - 1); ++y) {

@@ -7,7 +7,7 @@
 #include <array>
 #include <string>
 
-#include "checksum.h"
+#include "coding_libraries.h"
 #include "page_worlds.h"
 #include "range_coder.h"
 

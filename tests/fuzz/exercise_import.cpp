@@ -94,7 +94,7 @@ void checkModel(const bake::SourceModel& model) {
       require(texture < static_cast<int>(model.images.size()), "a texture that is not there");
 }
 
-// What is baked is a sound pack.
+// Every baked pack is sound.
 void checkPack(const RawPack& pack) {
   std::vector<std::byte> bytes;
   const Sink sink{[](void* user, std::span<const std::byte> more) {

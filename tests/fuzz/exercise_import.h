@@ -11,7 +11,7 @@
 #include "input_folder.h"
 #include "kelp/bake/bake.h"
 
-// What an input's options depend on: all of its bytes, so that every kind of input gets every option.
+// A hash of all bytes of an input, which chooses its options: every kind of input gets every option.
 std::uint64_t choiceOf(std::span<const std::uint8_t> bytes);
 
 // Resolution, threads and memory so small that an input takes milliseconds. The baker counts 23 MB for the

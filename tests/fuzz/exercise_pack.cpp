@@ -120,7 +120,7 @@ void playAndAsk(runtime::Asset& asset, std::uint64_t choice) {
 }  // namespace
 
 void exercisePack(std::span<const std::byte> bytes) {
-  // What the host is like depends on all bytes, so that every kind of pack meets every kind of host. FNV-1a.
+  // A hash of all bytes (FNV-1a) chooses the host, so that every kind of pack meets every kind of host.
   std::uint64_t choice = 0xcbf29ce484222325u;
   for (const std::byte byte : bytes) choice = (choice ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3u;
   choice >>= 16;

@@ -22,7 +22,7 @@ namespace {
   std::abort();
 }
 
-// What lies in the pool, as shaders/instance.glsl has it, of the only asset of a renderer: from the first row
+// The pool's content, as shaders/instance.glsl has it, for the only asset of a renderer: from the first row
 // on that is somebody's.
 void checkPool(const test::FakeGl& fake, const runtime::Asset& asset, bool distances) {
   const std::vector<std::uint32_t>& words = fake.pool().words;

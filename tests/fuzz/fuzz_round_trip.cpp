@@ -217,7 +217,7 @@ void changeOne(std::vector<T>& list, std::uint16_t at, std::uint32_t number) {
     list[at % list.size()] = static_cast<T>(number);
 }
 
-// What a baker with a fault might hand over: one thing a record of eight bytes.
+// Faults of a baker: one for each record of eight bytes.
 void change(Numbers& in, RawPack& pack) {
   const std::uint8_t what = in.byte(), which = in.byte();
   const auto at = in.take<std::uint16_t>();
@@ -336,7 +336,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   MemorySource memory(bytes);
   Limits limits;
-  limits.max_side = 40000;  // what the format can hold
+  limits.max_side = 40000;  // the format's limit
   verify(
       memory.source(), limits,
       [](void*, const Issue& issue) { fail("written, but not sound", toString(issue.id)); }, nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a pack holds, as the writer takes it: for comparing what was written with what is read.
+// The content of a pack as the writer takes it, to compare packs written and read.
 #pragma once
 
 #include "kelp/formats/raw_pack.h"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""What real shells complete: the options and fixed values that --help shows, nothing else, and files that
+"""Completions of real shells: the options and fixed values that --help shows, nothing else, and files that
 the programs read.
 
 Usage: completions_test.py SHELL FOLDER PROGRAM... -- [unittest options]

@@ -19,7 +19,7 @@ kelp-render crate.kelp -o crate.png --size 64x64
 test -s crate.png
 kelp-view --version
 
-# What a user of a desktop and of a shell gets: pages, completions where the shells look for them, the type of
+# Files for desktops and shells: pages, completions where the shells look for them, the type of
 # packs, and kelp-view for it.
 apt-get install -y -qq --no-install-recommends man-db mandoc groff-base python3 bash-completion zsh fish \
   desktop-file-utils shared-mime-info libglib2.0-bin

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Whether programs are hardened as they should ship: loaded anywhere, addresses bound at the start and
+# Checks that programs are hardened as they should ship: loaded anywhere, addresses bound at the start and
 # read-only then, no stack that is code, stacks and buffers guarded.
 #   tests/install/hardened.sh PROGRAM...
 set -euo pipefail

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What --help says, for tests of what is made from it: read in the simplest way, not as tools/manual does."""
+"""The text of --help, for tests of what is made from it: read in a simpler way than tools/manual does."""
 
 import os
 import re

@@ -121,7 +121,7 @@ class Packs:
         return baked
 
     def settled(self, *expected):
-        """What a change bakes, and that a second build has nothing to do."""
+        """Checks the bakes after a change, and that a second build has nothing to do."""
         self.assertEqual(self.make(), list(expected))
         self.assertEqual(self.make(), [], "again")
         if self.generator == "Ninja":

@@ -65,7 +65,7 @@ set -- $(complete -p "$1"); while [ "$1" != -F ]; do shift; done
         return {word: "" for word in done.stdout.split("\n") if word}
 
     def types(self, text):
-        """What a user has after TAB."""
+        """The command line after TAB."""
         shell = Terminal(["bash", "--norc", "--noprofile", "-i"], self.folder, {**QUIET, "PS1": "> "})
         for script in self.scripts.values():
             shell.type(". %s\n" % script)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# What linking kelp adds to a stripped program, zstd included: the consumer's draw against its triangle, which
-# is the same without kelp.
+# The size that linking kelp adds to a stripped program, zstd included: the consumer's draw against its
+# triangle, which is the same without kelp.
 include(${TEST_DIR}/steps.cmake)
 set(limit 1048576)
 file(MAKE_DIRECTORY ${WORK_DIR})

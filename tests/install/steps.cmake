@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# What both tests do: run a step and stop with its output when it fails; configure and build a project.
+# Steps of both tests: run a step and stop with its output when it fails; configure and build a project.
 
 # step(WHAT COMMAND...): the command's output is left in step_output.
 function(step what)

@@ -11,7 +11,7 @@ Truth truthOf(const Volume& volume, std::span<const Knot> knots, const glm::dvec
   const auto possible = firstTouch(volume, knots, o, r, 0, s_max, -kMargin);
   if (!possible) return truth;
   truth.possible = possible->s;
-  // What is shrunk lies in what is grown, so the search may start there.
+  // Shrunken voxels lie in grown ones, so the search may start there.
   if (const auto owed = firstTouch(volume, knots, o, r, std::max(possible->s - 1e-3, 0.0), s_max, kMargin))
     truth.owed = owed->s;
   return truth;

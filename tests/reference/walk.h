@@ -89,7 +89,7 @@ class Walk {
     return false;
   }
 
-  // Whether the whole box is inside the union of the solid voxels. What is outside the volume is empty.
+  // True if the whole box is inside the union of the solid voxels. The outside of the volume is empty.
   bool allSolid(const glm::dvec3& low, const glm::dvec3& high) const {
     if (low.x < 0 || low.y < 0 || low.z < 0 || high.x > extent_.x || high.y > extent_.y || high.z > extent_.z)
       return false;

@@ -96,8 +96,8 @@ double hermite(double p0, double m0, double p1, double m1, double t) {
          (3 * t * t - 2 * t * t * t) * p1 + (t * t * t - t * t) * m1;
 }
 
-// What sampling finds: the deepest fall of Sy, and the smallest slope, both in units of the segment's rise;
-// and the box of all samples.
+// The results of sampling: the deepest fall of Sy, and the smallest slope, both in units of the segment's
+// rise; and the box of all samples.
 struct Sampled {
   double fall = 0, least_slope = 1e30;
   bool rises = true;
@@ -384,7 +384,7 @@ TEST(ProveClip, UnrelatedPeriodsAreTakenAtTheirWorst) {
   }());
 }
 
-// What the proof costs grows with the periods that have nothing in common, so there is an end to them.
+// The proof's cost grows with the periods that have no common multiple, so their number is limited.
 TEST(ProveClip, ManyUnrelatedPeriodsAreRefused) {
   const glm::ivec3 size(8, 100, 8);
   const std::vector<Knot> knots = straight(100);
@@ -408,7 +408,7 @@ TEST(ProveClip, ManyUnrelatedPeriodsAreRefused) {
   EXPECT_NE(refusal(1100, {0.001f, 0, 0}).find("more than 1024 periods move one segment"), std::string::npos);
 }
 
-// What is bounded by a count of spans alone takes as long as each span has waves.
+// A count of spans alone does not bound the time: each span costs as much as it has waves.
 TEST(ProveClip, ProofsEndAfterSoMuchWork) {
   RawClip clip{"c", 1, {}, {}};
   for (int period = 0; period < 60; ++period) {

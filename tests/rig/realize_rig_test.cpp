@@ -243,7 +243,7 @@ TEST(DescribeRig, NamesThatAPackMayRepeatBecomeKeys) {
   EXPECT_EQ(names, (std::vector<std::string>{"clip", "swim", "swim 2", "clip 2"}));
 }
 
-// What an artist means: the place, and the directions that the rotation turns x, y and z to, are the same in
+// A socket's place, and the directions to which its rotation turns x, y and z, are the same in
 // either axes.
 TEST(RealizeRig, BendsAsItSaysOrElseByDefault) {
   RigDescription rig;

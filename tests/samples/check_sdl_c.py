@@ -13,7 +13,7 @@ import check_picture
 import x11_input
 from check_sdl import is_red
 
-# What a library below SDL keeps when it is at its end.
+# Memory that a library below SDL keeps until the end.
 SUPPRESSED = "leak:libdbus\n"
 
 

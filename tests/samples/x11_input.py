@@ -121,7 +121,7 @@ class Screen:
             self.settle(0.1)
 
     def picture(self, width, height):
-        """What the window shows now: a list of (r, g, b)."""
+        """The window's pixels now: a list of (r, g, b)."""
         self.x11.XGetImage.restype = ctypes.POINTER(Image)
         image = self.x11.XGetImage(self.display, ctypes.c_ulong(self.window), 0, 0, width, height,
                                    ctypes.c_ulong(0xffffff), 2)
@@ -132,7 +132,7 @@ class Screen:
         return [(row[i + 2], row[i + 1], row[i]) for row in rows for i in range(0, 4 * width, 4)]
 
     def close(self):
-        """What the cross of a window's frame does."""
+        """Closes the window, as the cross of its frame does."""
         message = ClientMessage(33, 0, 1, self.display, self.window,
                                 self.x11.XInternAtom(self.display, b"WM_PROTOCOLS", 0), 32)
         message.data[0] = self.x11.XInternAtom(self.display, b"WM_DELETE_WINDOW", 0)

@@ -153,7 +153,7 @@ TEST(SweepNormals, AsDrawnDoNotJumpAtJoints) {
       }
     }
   }
-  EXPECT_GT(most_of_arcs, 2 * kDegree);  // what is not drawn
+  EXPECT_GT(most_of_arcs, 2 * kDegree);  // but these are not drawn
 }
 
 }  // namespace

@@ -102,7 +102,7 @@ def crowd(count):
 
 
 def claims():
-    """What is claimed, the name of a file, its bytes, words that refuse it, and the most that the module's
+    """The claim, the name of a file, its bytes, words that refuse it, and the most that the module's
     memory, which never shrinks, may be after it."""
     page = 32  # bytes of a grid's table of one page
     grid, info = solid(), solid()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What can go wrong: broken downloads, hostile packs and .vox files, a lost context. All end in words."""
+"""Faults: broken downloads, hostile packs and .vox files, a lost context. All end in words."""
 
 import os
 import urllib.parse

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the tests of the page have in common: a browser, a server, and the page between them."""
+"""The common part of the page's tests: a browser, a server, and the page between them."""
 
 import base64
 import os

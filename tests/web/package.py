@@ -16,7 +16,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 FILES = """README.md bake.js bake_worker.js controls.js kelp-view.d.ts kelp-view.js kelp.d.ts kelp.js
            kelp_baker.js kelp_baker.wasm kelp_viewer.js kelp_viewer.wasm package.json stream.js""".split()
 MOST = 900000  # bytes of the archive: viewer and baker, compressed
-# What a page that is rendered on a server does with the package: it imports it, and must live on.
+# A page that is rendered on a server imports the package, and must live on.
 IN_NODE = """
 import {create, KelpError, View} from 'kelp-view';
 const element = await import('kelp-view/kelp-view.js');

@@ -49,7 +49,7 @@ LINEAR = [to_linear(byte) for byte in range(256)]
 
 
 def displayed(red, green, blue):
-    """What shaders/output.glsl shows of a colour that kelp-render encoded without mapping its tones."""
+    """The value of shaders/output.glsl for a color that kelp-render encoded without mapping its tones."""
     light = [LINEAR[red], LINEAR[green], LINEAR[blue]]
     peak = max(light)
     if peak >= 0.8:

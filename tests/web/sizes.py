@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a visitor downloads of the page, compressed, and whether the viewer is as small as it must be."""
+"""The compressed sizes of the page's files, and a limit for the viewer's."""
 
 import gzip
 import shutil

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the page says of a pack, as JSON.
+// A pack's description for the page, as JSON.
 #pragma once
 
 #include <string>

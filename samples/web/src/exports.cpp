@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What kelp.js calls. One viewer a module, one module a canvas: `viewer` belongs to the page's one thread.
+// The functions that kelp.js calls. One viewer a module, one module a canvas: `viewer` belongs to the page's
+// one thread.
 #include <emscripten/emscripten.h>
 
 #include <new>

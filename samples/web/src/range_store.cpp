@@ -19,7 +19,7 @@ std::uint32_t RangeStore::lengthOf(std::size_t block) const {
 Read RangeStore::read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
   RangeStore& store = *static_cast<RangeStore*>(user);
   if (bytes.empty()) return Read::kDone;
-  // What the store could never hold at once cannot be had.
+  // Refuses requests that the store could never hold at once.
   if (offset > store.size_ || bytes.size() > store.size_ - offset || bytes.size() > kMostBytes / 2)
     return Read::kFailed;
   const std::uint64_t end = offset + bytes.size();
@@ -60,7 +60,7 @@ RangeStore::Range RangeStore::take(std::uint64_t most) {
   while (end < blocks_.size() && end - first < most_blocks && open(end) &&
          std::find(wanted_.begin(), wanted_.end(), end) != wanted_.end())
     blocks_[end++].in_flight = true;
-  // What the first block has already got is not fetched again.
+  // Bytes of the first block are not fetched again.
   const std::uint64_t from = std::uint64_t{first} * kBlock + blocks_[first].filled;
   return {from, std::min(size_, std::uint64_t{end} * kBlock) - from};
 }

@@ -21,7 +21,7 @@ constexpr float kFieldOfView = 35.0f;               // degrees, vertical; as kel
 constexpr float kMargin = 0.85f;                    // of the picture that the model at rest may fill
 constexpr runtime::SpringOptions kSprings{.frequency = 0.9f, .damping = 0.16f, .reach = 0.7f};
 
-// What a page may be asked for. A pack that claims more is refused.
+// Bounds on packs in a page. A pack that claims more is refused.
 Limits pageLimits() {
   Limits limits;
   limits.max_decoded_bytes = std::uint64_t{128} << 20;

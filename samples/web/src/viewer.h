@@ -21,7 +21,7 @@ struct Orbit {
   glm::vec2 pan{0};            // of the picture's height at the model, right and up
 };
 
-// What frame() did, as bits.
+// The effects of frame(), as bits.
 enum Frame : int {
   kMoves = 1,    // springs swing: draw again
   kChanged = 2,  // voxels were decoded or uploaded: draw again
@@ -49,7 +49,7 @@ class Viewer {
   int open();
   // JSON: parts with their rest knots, clips, sizes. Empty without a pack.
   const std::string& description() const { return description_; }
-  // What went wrong since the last call; empty: nothing.
+  // The error since the last call; empty: none.
   std::string takeProblem() { return std::exchange(problem_, {}); }
 
   // The replaced tangent or the offset of a knot, in heights of the part. False: there is no such knot.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every entry point demands of its arguments.
+// Checks of arguments that every entry point makes.
 #pragma once
 
 #include <cstddef>

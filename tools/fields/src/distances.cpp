@@ -24,7 +24,7 @@ constexpr BrickBits kNothing{}, kFull = [] {
   return bits;
 }();
 
-// What is in each brick of the grid, and in those around the grid, which are empty.
+// The kind of each brick of the grid, and of those around the grid, which are empty.
 class Bricks {
  public:
   Bricks(const glm::ivec3& size)
@@ -54,7 +54,7 @@ class Bricks {
            : its == Kind::kSolid ? kFull
                                  : bits_[bits_of_[denseIndex(grid_, brick)]];
   }
-  // Whether bricks up to `reach` away hold voxels of the other kind than the brick, which holds one kind.
+  // True if bricks up to `reach` away hold voxels of the other kind. The brick itself holds one kind.
   bool isBeside(const glm::ivec3& brick, int reach) const {
     const Kind own = kind(brick);
     glm::ivec3 d;

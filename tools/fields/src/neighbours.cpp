@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What depends on the 26 neighbours: dilation, and the voxels of the surface.
+// Operations on the 26 neighbors: dilation, and the voxels of the surface.
 #include <algorithm>
 #include <bit>
 #include <memory>
@@ -30,7 +30,7 @@ void forEachSurfaceWord(const SolidBits& bits, int y, int z, const Visit& visit)
   const std::uint64_t* const middle = bits.row(y, z);
   for (int i = 0; i < bits.words(); ++i) {
     if (middle[i] == 0) continue;
-    // Whether the columns of nine, at this voxel and at those before and after it, are all solid.
+    // True if the columns of nine, at this voxel and at those before and after it, are all solid.
     std::uint64_t all = ~std::uint64_t{0}, before = all, after = all;
     for (int dz = -1; dz <= 1; ++dz) {
       for (int dy = -1; dy <= 1; ++dy) {

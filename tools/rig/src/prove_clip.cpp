@@ -30,7 +30,7 @@ using rig::Term;
 
 // Sy' may go this far below zero, in units of the segment's rise. isMonotone of formats/spline.h allows a
 // fall of 1e-5 of the rise; a quadratic of mean 1 and minimum -s falls by at most 0.385 s^1.5, here 4.4e-6:
-// what is proven here holds there, with room for float rounding.
+// so the proof holds there, with room for float rounding.
 constexpr double kSlopeTolerance = 5e-4;
 // A segment must keep this share of its natural length.
 constexpr double kLeastRise = 1e-6;

@@ -47,7 +47,7 @@ inline constexpr int kCellClearanceShift = 24;
 inline constexpr std::uint32_t kCellMaxClearance = 127;
 inline constexpr int kMaxLevels = 16;
 
-// Whether the cell's brick is stored, and not only solid.
+// True if the cell's brick is stored, and not only solid.
 inline bool isStoredCell(std::uint32_t cell) { return cell >> 30 == 2; }
 
 inline bool isSolidCode(std::uint8_t code) { return code >= kSurfaceCode; }

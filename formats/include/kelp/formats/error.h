@@ -33,7 +33,7 @@ enum class ErrorCode : std::uint16_t {
 const char* toString(ErrorCode code);
 
 struct Error {
-  // What `offset` counts.
+  // The unit of `offset`.
   enum class Unit : std::uint8_t {
     kByte,      // of the pack
     kPart,      // index of a part
@@ -43,7 +43,7 @@ struct Error {
   static constexpr std::uint64_t kNoOffset = ~std::uint64_t{0};
 
   ErrorCode code = ErrorCode::kMisuse;
-  // What is wrong, in a few words. Static storage, except where a function says that its asset owns it.
+  // The fault in a few words. Static storage, except where a function says that its asset owns it.
   const char* detail = "";
   std::uint64_t offset = kNoOffset;  // where, if there is a place
   Unit unit = Unit::kByte;

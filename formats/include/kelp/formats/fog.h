@@ -22,7 +22,7 @@ namespace kelp {
 inline constexpr int kFogSide = kBrickSide + 1;
 inline constexpr int kFogSamples = kFogSide * kFogSide * kFogSide;  // a brick; index x + 9 (y + 9 z)
 
-// What the grid of a level of `size` voxels counts: voxels of a solid part, cubes of fog.
+// The size that a level's grid divides: voxels of a solid part, cubes of fog.
 inline glm::ivec3 latticeSize(PartKind kind, const glm::ivec3& size) {
   return kind == PartKind::kFog ? glm::max(size - 1, glm::ivec3(1)) : size;
 }

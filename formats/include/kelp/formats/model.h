@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a pack holds besides voxels: parts, palette, rigs, clips, sockets. The reader returns these as views
-// into memory that the Pack owns.
+// The content of a pack besides voxels: parts, palette, rigs, clips, sockets. The reader returns these as
+// views into memory that the Pack owns.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ struct Material {
 
 enum class PartKind : std::uint8_t { kSolid = 0, kFog = 1 };
 
-// What the samples of a fog part mean: how much light fog absorbs, scatters and emits along a ray.
+// The meaning of a fog part's samples: how much light fog absorbs, scatters and emits along a ray.
 // kelp/formats/fog.h describes the samples. Lengths are in level-0 voxels.
 struct Fog {
   // Albedo, 0 to 1: the share of the stopped light that is scattered. The rest is absorbed.
@@ -78,8 +78,8 @@ struct Socket {
   glm::quat rotation{1, 0, 0, 0};  // unit
 };
 
-// What a wave or track of a clip moves. Values are multiplied by a weight and added to the rest rig, so clips
-// can be blended.
+// The target of a wave or track of a clip. Values are multiplied by a weight and added to the rest rig, so
+// clips can be blended.
 enum class Target : std::uint8_t {
   kKnotOffset = 0,       // knot position, in heights of the part
   kKnotTangent = 1,      // knot tangent, dS/d(at), in heights of the part

@@ -21,7 +21,7 @@ namespace kelp {
 inline constexpr std::uint16_t kFormatMajor = 1;
 inline constexpr std::uint16_t kFormatMinor = 0;
 
-// What a pack may ask for; kLimit beyond. Limits and file size together bound the memory that the reader
+// Bounds on a pack; kLimit beyond. Limits and file size together bound the memory that the reader
 // takes:
 // - Pack::open: at most 2 max_metadata_bytes + 2 file sizes + 1/4 MiB;
 // - readGrid: at most 9/4 of the decoded grid + its stored size + 1/4 MiB + 4 bytes for each brick of the
@@ -82,7 +82,7 @@ struct LevelGrid {
   }
 };
 
-// What the pages of a level of voxels are decoded with: the shapes of the next coarser level.
+// The shapes of the next coarser level, which decoding the pages of a level of voxels needs.
 struct LevelAbove {
   const LevelGrid* grid = nullptr;     // null: there is none
   std::span<const BrickShape> shapes;  // one a stored brick, by slot; without surface: not known yet
@@ -114,7 +114,7 @@ struct PagesAbove {
 
   // False: no memory.
   [[nodiscard]] bool make(const LevelGrid& grid, const LevelGrid& above);
-  // Whether page `coarser` of the coarser level is over a brick of `page`.
+  // True if page `coarser` of the coarser level covers a brick of `page`.
   static bool isOver(const LevelGrid& grid, std::size_t page, const LevelGrid& above, std::uint32_t coarser);
   std::span<const std::uint32_t> of(std::size_t page) const {
     return pages.span().subspan(first[page], first[page + 1] - first[page]);
@@ -185,7 +185,7 @@ class Pack {
   Result<void> readPage(const LevelGrid& grid, std::size_t page, const LevelAbove& above,
                         PageData& out) const;
 
-  // Whether the pack holds distances: of all levels of all its solid parts, or of none.
+  // True if the pack holds distances: of all levels of all its solid parts, or of none.
   bool hasDistances() const;
   // Levels of distances of a part, at least as many as it has levels of voxels; 0 if there are none.
   int distanceLevels(int part) const;

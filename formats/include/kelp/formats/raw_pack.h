@@ -121,7 +121,7 @@ struct RawRig {
   float roll = 0;
 };
 
-// What writeRigs replaces in a pack.
+// The content that writeRigs replaces in a pack.
 struct RawRigs {
   std::string info_json;
   std::vector<RawRig> parts;

@@ -53,7 +53,7 @@ Follow followOf(std::span<const Knot> knots, std::size_t knot, std::uint64_t aut
 glm::vec3 evaluate(const Segment& segment, float t);
 glm::vec3 derivative(const Segment& segment, float t);  // dS/dt
 
-// Whether Sy(1) > Sy(0), and Sy never falls on [0, 1] by more than 1e-5 of that rise. The map of section 3.1
+// True if Sy(1) > Sy(0), and Sy never falls on [0, 1] by more than 1e-5 of that rise. The map of section 3.1
 // of the paper needs this.
 bool isMonotone(const Segment& segment);
 

@@ -31,7 +31,7 @@ struct Arc {
 // Between two arcs, and at both ends.
 struct ArcJoint {
   glm::vec4 plane;  // of the section: dot(plane.xyz, p) + plane.w is 0 on it, positive farther along
-  // What normals see: these change gradually from joint to joint.
+  // For normals: these change gradually from joint to joint.
   glm::vec2 curvature;  // in the section's x and z
   float rise;           // as Arc::rise
   float y;              // height at rest
@@ -62,9 +62,9 @@ struct ArcChain {
 Result<void> makeArcs(std::span<const Knot> knots, const glm::ivec3& size, float roll, float tolerance,
                       ArcChain& chain);
 
-// What makeArcs() says of the knots, at the default tolerance.
+// The error of makeArcs() for these knots, at the default tolerance.
 Result<void> checkSweep(std::span<const Knot> knots, const glm::ivec3& size, float roll = 0);
-// Whether a part that bends so can be drawn with these knots: checkKnots() or checkSweep().
+// An error if a part that bends so cannot be drawn with these knots: checkKnots() or checkSweep().
 Result<void> checkRig(Bend bend, std::span<const Knot> knots, const glm::ivec3& size, float roll = 0);
 
 // The axes and the place of the section at rest height y, from 0 to size.y: columns x, y (along the center

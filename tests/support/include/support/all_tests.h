@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whether a test should try all that it can: with KELP_ALL_TESTS set, as tests/run.sh --all does. Without, it
-// takes some of it, a few seconds' worth.
+// True if a test should try all cases: with KELP_ALL_TESTS set, as tests/run.sh --all does. Without, it takes
+// some seconds' worth of them.
 #pragma once
 
 #include <cstdlib>

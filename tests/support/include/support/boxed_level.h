@@ -10,8 +10,8 @@
 
 namespace kelp::test {
 
-// What fields::buildLevel makes, with the best boxes that there are: nothing is unknown, as it is to the
-// reader of a page.
+// The level of fields::buildLevel, with the best boxes that there are: no voxel is unknown, as some are to
+// the reader of a page.
 inline RawLevel boxedLevel(const fields::Occupancy& volume, std::span<const fields::SurfaceVoxel> surface,
                            int threads) {
   RawLevel level = fields::buildLevel(volume, surface, threads);

@@ -27,7 +27,7 @@ class EditedKnots {
     std::copy(knots.begin(), knots.end(), after.begin());
     for (std::size_t i = 0; i < count_; ++i) {
       for (int axis = 0; axis < 3; ++axis) {
-        // What was not changed keeps its bits.
+        // Values that were not changed keep their bits.
         if (!(knots_[i].position[axis] == before_[i].position[axis]))
           after[i].position[axis] = knots_[i].position[axis] / height_;
         if (!(knots_[i].tangent[axis] == before_[i].tangent[axis]))

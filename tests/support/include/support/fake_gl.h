@@ -10,7 +10,7 @@ namespace kelp::test {
 
 struct FakeGl {
   const char* version = "OpenGL ES 3.0 fake";
-  int max_texture_size = 2048;  // what OpenGL ES 3.0 guarantees
+  int max_texture_size = 2048;  // the minimum of OpenGL ES 3.0
   int max_array_layers = 256;
   bool out_of_memory = false;  // glGetError says so
   int depth_bits = 0;          // of the framebuffer that is bound; 0: it has no depth

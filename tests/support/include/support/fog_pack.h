@@ -69,7 +69,7 @@ inline RawPack fogPack(fields::FogSamples fog, float extinction, std::vector<Kno
   }
 }
 
-// What comes of a ray.
+// The light of a ray.
 struct FogSight {
   double through = 1;  // of what is behind
   glm::dvec3 glow{0};

@@ -40,8 +40,8 @@ struct ShortMemory {
   }
 };
 
-// What Limits (kelp/formats/pack.h) promise of a file of so many bytes: for an open pack, one of its grids
-// and one of its pages together.
+// The memory that Limits (kelp/formats/pack.h) allow for a file of so many bytes: for an open pack, one of
+// its grids and one of its pages together.
 inline std::uint64_t mostMemory(const Limits& limits, std::uint64_t file_bytes) {
   constexpr std::uint64_t kQuarter = std::uint64_t{1} << 18;
   const std::uint64_t decoded = std::min(limits.max_decoded_bytes, 32768 * file_bytes);
