@@ -24,7 +24,7 @@
 
 namespace kelp {
 
-// The largest squared distances that a level stores: of empty voxels, and of solid ones.
+// The largest squared distances that a level stores, of empty voxels and of solid ones.
 struct DistanceBand {
   std::uint8_t outside = 36;
   std::uint8_t inside = 9;
@@ -68,10 +68,10 @@ inline glm::vec3 distanceGradient(std::uint8_t code, const std::uint8_t (&beside
   return length > 0 ? gradient / length : glm::vec3(0);
 }
 
-// Levels of distances of a solid part of `size` level-0 voxels with so many levels of voxels: at least as
-// many, and as many as it takes to reach 8 voxels along the longest side.
+// Levels of distances of a solid part of `size` level-0 voxels: at least as many as its levels of voxels, and
+// until the longest side has at most 8 voxels.
 int distanceLevels(const glm::ivec3& size, int levels);
-// The band that writers give such a level: the widest one to the last, which it covers.
+// The band that writers give a level; the last level gets the widest, which covers it.
 DistanceBand distanceBand(const glm::ivec3& size, int levels, int level);
 
 // The codes of a brick, computed from the bits of the bricks around it. around[(i + 2) + 5 ((j + 2) + 5 (k +

@@ -56,7 +56,7 @@ struct Part {
   glm::mat4x3 pivot{1};
   std::span<const Knot> knots;  // the rest rig
   // Bit i: the tangent of knot i follows when that knot or a neighbor moves (followOf). A clip that moves
-  // the tangent itself overrides this: then, in that clip, the tangent moves as the clip says and no more.
+  // the tangent itself overrides this in that clip.
   std::uint64_t automatic_tangents = 0;
   // Where the part hangs on its parent's spline: the `at` of that place, 0 to 1. It moves with the spline
   // there, as a socket does. kNotOnSpline: it follows the parent's motion alone.
@@ -67,9 +67,9 @@ struct Part {
   const Fog* fog = nullptr;  // set if kind is kFog, else null
 };
 
-// A named place on a part, for what a game attaches: it moves with the spline. At rest, in part space, its
-// origin is (X / 2 + offset.x Y, at Y, Z / 2 + offset.y Y), where the part has X x Y x Z voxels; its axes are
-// the part's, turned by `rotation`.
+// A named place on a part to which a game attaches things. It moves with the spline. At rest, in part space,
+// its origin is (X / 2 + offset.x Y, at Y, Z / 2 + offset.y Y), where the part has X x Y x Z voxels; its axes
+// are the part's, turned by `rotation`.
 struct Socket {
   std::string_view name;
   std::uint32_t part = 0;

@@ -103,8 +103,8 @@ struct DistanceGrid {
   Buffer<PageInfo> pages;        // ascending slots, no gaps
 };
 
-// Which pages of the next coarser level a level's pages are decoded with: those over their bricks, which they
-// cannot do without, and those beside, which their boxes reach.
+// The pages of the next coarser level that a level's pages are decoded with: those over their bricks, which
+// decoding needs, and those beside, which empty boxes reach.
 struct PagesAbove {
   PagesAbove() = default;
   explicit PagesAbove(const Allocator& allocator) : first(allocator), pages(allocator) {}
@@ -178,10 +178,10 @@ class Pack {
   // Reads, checks and decodes the grid of a level. kMisuse for a part or level that does not exist.
   Result<LevelGrid> readGrid(int part, int level) const;
   // Reads, checks and decodes a page of a grid that readGrid of this pack returned. Reuses the memory of
-  // `out`; allocates only if it is too small. above: of the next coarser level of the same part; it is needed
-  // unless the level is the coarsest, or fog. kMisuse: there is no such page, or the shape of a stored brick
-  // over the page is not known; those beside that are not known count as solid. PagesAbove says which pages
-  // make them known.
+  // `out`; allocates only if it is too small. above: the next coarser level of the same part, unless the
+  // level is the coarsest, or fog. Unknown shapes beside the page count as solid; PagesAbove lists the pages
+  // that make shapes known. kMisuse: there is no such page, or the shape of a stored brick over it is
+  // unknown.
   Result<void> readPage(const LevelGrid& grid, std::size_t page, const LevelAbove& above,
                         PageData& out) const;
 

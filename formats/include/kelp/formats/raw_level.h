@@ -10,7 +10,7 @@
 
 namespace kelp {
 
-// All of one level: what raw_pack.h describes, with boxes and ranks. Errors of LevelReader::open and
+// All of one level as in raw_pack.h, with boxes and ranks. Errors of LevelReader::open and
 // readPage. allocator: for decoding. In a header, because its lists may throw std::bad_alloc.
 inline Result<RawLevel> readRawLevel(const Pack& pack, int part, int level, const Allocator& allocator = {}) {
   const Result<LevelReader> reader = LevelReader::open(pack, part, level, allocator);

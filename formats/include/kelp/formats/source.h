@@ -13,8 +13,8 @@ namespace kelp {
 
 enum class Read : std::uint8_t {
   kDone,  // all of the bytes are there
-  // Some bytes have not arrived: a network, a slow archive, another thread. The source notes what was asked
-  // for, fetches it, and keeps it until it was read. The caller asks again later.
+  // Some bytes have not arrived: a network, a slow archive, another thread. The source notes the request,
+  // fetches the bytes, and keeps them until they are read. The caller asks again later.
   kNotYet,
   kFailed,  // these bytes cannot be had
 };

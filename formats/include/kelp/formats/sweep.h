@@ -41,8 +41,8 @@ static_assert(sizeof(Arc) == 64 && sizeof(ArcJoint) == 32);
 inline constexpr int kMaxArcs = 256;
 // u times curvature is at most this within the part: nearer to 1 its inner side folds.
 inline constexpr double kMostCurved = 0.98;
-// How far the arcs aim to be from the spline at most, in heights of the part, unless a caller wants it
-// coarser. An estimate decides: most are nearer, some several times as far (formats/README.md).
+// The default distance between arcs and spline, in heights of the part. It is an estimate: most arcs are
+// nearer, some up to 4.7 times as far.
 inline constexpr float kArcTolerance = 1.0f / 1024;
 
 // A posed center line.
@@ -72,9 +72,8 @@ Result<void> checkRig(Bend bend, std::span<const Knot> knots, const glm::ivec3& 
 glm::mat4x3 sectionAt(const ArcChain& chain, float y);
 // Part space at rest -> part space, swept.
 glm::vec3 sweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::vec3& rest);
-// Part space, swept -> at rest: of the arcs whose slice the point is in, the one whose center line is nearest
-// (where coils overlap, a point is in several). Within the box of the part, or beside it in x and z, as the
-// slices go on there. nullopt: no slice has it.
+// Part space, swept -> at rest. Where coils overlap, the arc with the nearest center line decides. Also maps
+// points beside the part's box in x and z. nullopt: the point is in no slice.
 std::optional<glm::vec3> unsweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::vec3& point);
 
 }  // namespace kelp
