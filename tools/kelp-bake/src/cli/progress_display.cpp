@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
@@ -31,15 +32,10 @@ std::size_t lineWidth() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
-// "0:07", "1:02:03"
+// "0:07", "71:05"
 std::string clockText(double seconds) {
-  const auto whole = static_cast<long long>(std::ceil(std::clamp(seconds, 0.0, 1e9)));
-  char text[48];
-  if (whole < 3600)
-    std::snprintf(text, sizeof text, "%lld:%02lld", whole / 60, whole % 60);
-  else
-    std::snprintf(text, sizeof text, "%lld:%02lld:%02lld", whole / 3600, whole / 60 % 60, whole % 60);
-  return text;
+  const auto whole = static_cast<long>(std::ceil(std::min(seconds, 1e8)));
+  return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
 }  // namespace
@@ -67,15 +63,11 @@ void ProgressDisplay::show(std::string_view stage, double done) {
 
 void ProgressDisplay::drawBar(double done, double seconds) {
   const auto filled = static_cast<std::size_t>(percent_ * kWidth / 100);
-  char percent[8];
-  std::snprintf(percent, sizeof percent, "%3d %%", percent_);
-  std::string line = stage_ + std::string(stage_.size() < 9 ? 9 - stage_.size() : 0, ' ') + " [" +
-                     std::string(filled, '#') + std::string(kWidth - filled, '.') + "] " + percent;
-  if (done > 0 && done < 1 && seconds >= kEnoughSeconds) {
-    char rate[32];
-    std::snprintf(rate, sizeof rate, ", %.3g %%/s, ", 100 * done / seconds);
-    line += rate + clockText(seconds * (1 - done) / done) + " left";
-  }
+  std::string line = fmt::format("{:<9} [{}{}] {:3} %", stage_, std::string(filled, '#'),
+                                 std::string(kWidth - filled, '.'), percent_);
+  if (done > 0 && done < 1 && seconds >= kEnoughSeconds)
+    line +=
+        fmt::format(", {:.3g} %/s, {} left", 100 * done / seconds, clockText(seconds * (1 - done) / done));
   std::fputs((kEraseLine + line.substr(0, std::max<std::size_t>(lineWidth(), 2) - 1)).c_str(), stderr);
   drawn_ = true;
 }
