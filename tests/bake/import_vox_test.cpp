@@ -7,7 +7,7 @@
 
 #include "import_scratch.h"
 #include "kelp/fields/fields.h"
-#include "kelp/import/voxels/voxel_normals.h"
+#include "kelp/import/voxels/indexed_voxels.h"
 #include "support/assets.h"
 #include "vox_truth.h"
 

@@ -194,7 +194,6 @@ void checkVertices(const Made& made) {
     const auto face = static_cast<std::size_t>(*around.begin());
     const std::uint32_t component = made.mesh.triangles[made.faulty.triangles[face]].component;
     ++copies[{component, made.faulty.vertices[index(v)]}];
-    EXPECT_EQ(pointOf(mesh, v), made.mesh.position(made.faulty.vertices[index(v)]));
   }
   std::map<std::uint32_t, std::uint64_t> split;
   for (const auto& [place, count] : copies) split[place.first] += count - 1;
@@ -215,7 +214,6 @@ void checkHoles(const Made& made) {
   for (const Hole& hole : made.holes) {
     ++holes[hole.component];
     ASSERT_GE(hole.corners.size(), 3u);
-    ASSERT_EQ(hole.normals.size(), hole.corners.size());
     EXPECT_EQ(std::set<std::uint32_t>(hole.corners.begin(), hole.corners.end()).size(), hole.corners.size());
     for (std::size_t i = 0; i < hole.corners.size(); ++i)
       --open[{hole.component, {hole.corners[i], hole.corners[(i + 1) % hole.corners.size()]}}];
@@ -487,29 +485,6 @@ TEST(FaultyMesh, OnlyWhatHasFaultsIsBuilt) {
       EXPECT_EQ(made.euler(), 2);
     }
   }
-}
-
-// The sum of the area vectors around a corner of a hole, over all triangles that have it.
-TEST(FaultyMesh, HolesKnowTheSurfaceAroundThem) {
-  std::mt19937 random(7);
-  const std::vector<Triple> triangles{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {2, 0, 5},
-                                      {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-  const Made made(somePoints(6, random), triangles);
-  ASSERT_EQ(made.holes.size(), 1u);
-  Hole hole = made.holes[0];
-  ASSERT_EQ(hole.corners.size(), 3u);
-  for (std::size_t i = 0; i < 3; ++i) {
-    glm::dvec3 sum(0);
-    for (const SolidTriangle& t : made.mesh.triangles) {
-      if (std::count(t.vertex.begin(), t.vertex.end(), hole.corners[i])) sum += made.mesh.areaVector(t);
-    }
-    EXPECT_LT(glm::distance(sum, hole.normals[i]), 1e-9 * glm::length(sum));
-  }
-  const Hole before = hole;
-  hole.turn();
-  EXPECT_EQ(hole.corners,
-            (std::vector<std::uint32_t>{before.corners[0], before.corners[2], before.corners[1]}));
-  EXPECT_EQ(hole.normals[1], -before.normals[2]);
 }
 
 // A book of 100,000 pages on one edge, and as many triangles around one point.

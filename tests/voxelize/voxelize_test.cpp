@@ -242,17 +242,17 @@ TEST(Voxelize, NormalsIgnoreTrianglesHiddenInTheUnion) {
   }
 }
 
-TEST(Voxelize, HolesAreCapped) {
+TEST(Voxelize, HolesAreClosedByFans) {
   bake::TriangleSoup soup;  // the lowest 25 degrees are missing: far wider than a voxel
   test::addSphere(soup, {0, 0, 0}, 40.0f, 90,
                   [](float latitude) { return latitude > -65.0f * std::numbers::pi_v<float> / 180.0f; });
   const test::Baked baked = voxelizeUnit(test::makeModel(soup));
   EXPECT_FALSE(baked.result.closed);
-  EXPECT_NE(baked.result.fill.find("capped"), std::string::npos) << baked.result.fill;
+  EXPECT_NE(baked.result.fill.find("1 hole closed by fans"), std::string::npos) << baked.result.fill;
   const double h = 40.0 * (1.0 - std::sin(65.0 * kHalfTurn / 180.0));
   const double volume = 4.0 / 3.0 * kHalfTurn * 40.0 * 40.0 * 40.0 - kHalfTurn * h * h * (40.0 - h / 3.0);
   EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.01 * volume);
-  // The cap is flat and faces down, though no triangle of the mesh is near.
+  // The fan is flat and faces down, though no triangle of the mesh is near.
   const int middle = baked.grid().size.x / 2;
   EXPECT_TRUE(baked.at(middle, 0, middle));
   for (const bake::SurfaceSample& sample : baked.grid().surface) {

@@ -3,8 +3,6 @@
 // in the page's second module. Only MagicaVoxel files come in, and those never get here.
 #include "kelp/bake/bake.h"
 #include "kelp/common/error.h"
-#include "kelp/voxelize/surface/touched_cells.h"
-#include "kelp/voxelize/topology/mesh_counts.h"
 #include "kelp/voxelize/voxelize.h"
 #include "skin_parts.h"
 
@@ -26,7 +24,6 @@ VoxelizeResult voxelize(const SourceModel&, const SourcePart&, const Frame&, Fil
   refuseMesh();
 }
 std::vector<glm::vec3> readPalette(const std::filesystem::path&, FilesUsed*) { refuseMesh(); }
-double touchedCells(const TriangleSoup&, const Frame&, double) { refuseMesh(); }
 void requirePlan(const SourcePart&, const std::filesystem::path&) { refuseMesh(); }
 void countSkin(const SourceSkin&, PartSize&) { refuseMesh(); }
 DividedSkin divideSkinnedPart(SourceModel&, const Frame&, int, int, const Progress&, Report&) {

@@ -17,7 +17,6 @@
 #include "kelp/formats/fog.h"
 #include "kelp/import/core/memory_estimate.h"
 #include "kelp/import/core/padding.h"
-#include "kelp/voxelize/topology/mesh_counts.h"
 #include "levels.h"
 #include "part_frames.h"
 #include "part_notices.h"
@@ -142,7 +141,7 @@ void checkMemory(Job& job) {
   const auto sizes = [&](const std::vector<Frame>& frames, int pad) {
     std::vector<PartSize> parts;
     for (std::size_t i = 0; i < model.parts.size(); ++i) {
-      parts.push_back(partSize(model.parts[i], frames[i], paddingOf(model.parts[i], pad), job.threads));
+      parts.push_back(partSize(model.parts[i], frames[i], paddingOf(model.parts[i], pad)));
       if (model.parts[i].skin) countSkin(*model.parts[i].skin, parts.back());
     }
     return parts;

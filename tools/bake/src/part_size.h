@@ -9,7 +9,7 @@
 namespace kelp::bake {
 
 // Of a mesh, a volume or fog. `frame`, for meshes, has been padded; a volume has not.
-PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad, int threads);
+PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad);
 
 // True if thousands of triangles lie over each other nearly everywhere: sorting their crossings would take
 // too long.

@@ -108,11 +108,9 @@ DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, i
 
 void countSkin(const SourceSkin& skin, PartSize& size) {
   // The most that real files have (README.md of tools/skin).
-  constexpr double kMoreSurface = 4, kMoreBricks = 3, kMoreVoxels = 2;
-  size.source_bytes = skinBytes(size.voxels(), skin.joints.size());
+  constexpr double kMoreSurface = 4, kMoreVoxels = 2;
+  size.source_bytes = skinBytes(size.voxels(), skin.joints.size()) + kMoreVoxels * size.voxels();
   size.surface_voxels = std::min(kMoreSurface * size.surface_voxels, kMoreVoxels * size.voxels());
-  size.surface_bricks *= kMoreBricks;
-  size.source_bytes += kMoreVoxels * size.voxels();
 }
 
 void reportFits(const DividedSkin& divided, const Frame& frame, Report& report) {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "brick_cells.h"
+#include "bricks.h"
 
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "brick_clearance.h"
 #include "check.h"
 #include "kelp/common/dense_index.h"
 #include "parallel.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "brick_clearance.h"
+#include "bricks.h"
 
 #include <algorithm>
 #include <array>

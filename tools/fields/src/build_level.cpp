@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "brick_cells.h"
-#include "brick_clearance.h"
+#include "bricks.h"
 #include "check.h"
 #include "kelp/common/dense_index.h"
 #include "kelp/fields/fields.h"
@@ -83,7 +82,7 @@ class LevelBuilder {
   RawLevel take() { return std::move(level_); }
 
  private:
-  // Which bricks hold surface voxels.
+  // A byte for each brick: 1 if it holds surface voxels.
   std::vector<std::uint8_t> findSurface() const {
     std::vector<std::uint8_t> found(checkedVolume(grid_));
     const std::size_t voxels = denseCount(bits_.size());

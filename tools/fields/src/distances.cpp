@@ -128,7 +128,7 @@ Bricks bricksOf(const Occupancy& occupancy, int threads) {
   return bricks;
 }
 
-// How many bricks away a squared distance reaches.
+// The number of bricks that a squared distance reaches.
 int bricksWithin(int squared) { return squared < (kBrickSide + 1) * (kBrickSide + 1) ? 1 : 2; }
 
 // The codes of a brick; false if all are beyond the band.

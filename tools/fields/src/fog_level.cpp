@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "brick_cells.h"
+#include "bricks.h"
 #include "check.h"
 #include "kelp/common/dense_index.h"
 #include "kelp/fields/fields.h"

@@ -271,10 +271,6 @@ class Sampler {
       normal = faceNormal(nearest.triangle);
       // it lies in the skin of a body
       if (voxels_[index] == kInside && glm::dot(normal, open) < 0) normal = -normal;
-    } else if (mesh_.triangles[nearest.triangle].seam) {
-      normal = faceNormal(bvh_.nearest(centre, std::numeric_limits<double>::infinity(),
-                                       [&](std::uint32_t i) { return !mesh_.triangles[i].seam; })
-                              .triangle);
     } else if (const double distance = std::sqrt(nearest.squared); distance > kTooNear) {
       normal = (voxels_[index] == kInside ? nearest.point - centre : centre - nearest.point) / distance;
     } else {

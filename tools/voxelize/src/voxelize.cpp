@@ -25,8 +25,6 @@
 #include "kelp/voxelize/surface/touched_voxels.h"
 #include "kelp/voxelize/surface/triangle_bvh.h"
 #include "kelp/voxelize/topology/fill_report.h"
-#include "kelp/voxelize/topology/mesh_counts.h"
-#include "kelp/voxelize/topology/reasons.h"
 #include "samples.h"
 
 namespace kelp::bake {

@@ -94,7 +94,7 @@ Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const st
   frame.voxel_size = voxel_size;
   frame.size = glm::ivec3(wholeVoxels(extent.x, voxel_size), wholeVoxels(extent.y, voxel_size),
                           wholeVoxels(extent.z, voxel_size));
-  // What rounding up has added is shared by both sides.
+  // Rounding up has added a margin; both sides share it.
   const glm::dvec3 margin = (glm::dvec3(frame.size) - extent / voxel_size) * 0.5;
   const glm::dmat3 linear = to_rig / voxel_size;
   frame.node_to_voxel = glm::dmat4(linear);

@@ -41,12 +41,8 @@ void* stbAllocate(std::size_t size) { return size <= most_bytes ? std::calloc(1,
 #pragma GCC diagnostic pop
 #endif
 
-#include "image_size.h"
-#include "jpeg.h"
+#include "codecs.h"
 #include "kelp/common/memory.h"
-#include "kelp/import/core/memory_estimate.h"
-#include "png.h"
-#include "webp.h"
 
 namespace kelp::bake {
 namespace {

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "jpeg.h"
+#include "codecs.h"
 
 #include <cstddef>
 #include <cstdio>
 
 #include <jerror.h>
 #include <jpeglib.h>
-
-#include "image_size.h"
-#include "jump_catcher.h"
 
 namespace kelp::bake {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "png.h"
+#include "codecs.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,6 @@
 #include <string_view>
 
 #include <png.h>
-
-#include "image_size.h"
-#include "jump_catcher.h"
 
 namespace kelp::bake {
 namespace {

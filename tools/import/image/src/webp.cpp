@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "webp.h"
+#include "codecs.h"
 
 #include <cstring>
 
 #include <webp/decode.h>
-
-#include "image_size.h"
 
 namespace kelp::bake {
 

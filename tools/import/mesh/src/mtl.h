@@ -13,7 +13,7 @@
 
 namespace kelp::bake {
 
-// Where a picture lies (-s, -o): at scale u + offset, v from below.
+// Place of a picture (-s, -o): at scale u + offset, v from below.
 struct MapPlace {
   glm::dvec2 scale{1}, offset{0};
   bool operator==(const MapPlace&) const = default;

@@ -99,7 +99,7 @@ class PlyReader {
   }
 
  private:
-  // Whether the file has any.
+  // False if the file has none.
   bool readFirstFaces(std::span<const Element> elements) {
     for (const Element& element : elements) {
       if (element.name == "face")

@@ -26,7 +26,7 @@ struct Ear {
     return {cross2(a, b, p), cross2(b, c, p), cross2(c, a, p)};
   }
 
-  // Whether a point is in the ear or on its rim.
+  // True if a point is in the ear or on its rim.
   bool holds(const glm::dvec2& p) const {
     const std::array<double, 3> left = sides(p);
     return left[0] >= 0 && left[1] >= 0 && left[2] >= 0;
@@ -34,7 +34,7 @@ struct Ear {
   // The same for points that are not corners.
   bool touches(const glm::dvec2& p) const { return p != a && p != b && p != c && holds(p); }
 
-  // Whether an edge crosses the inside by more than rounding.
+  // True if an edge crosses the inside by more than rounding.
   bool isCrossed(const glm::dvec2& p, const glm::dvec2& q) const {
     const std::array<double, 3> from = sides(p), to = sides(q);
     double begin = 0, end = 1;
@@ -48,9 +48,9 @@ struct Ear {
   }
 };
 
-// How strict the test for an ear is. A polygon with a hole walks its bridge twice, so its corners and edges
-// touch each other. Such a polygon may have no ear of the first kind, but if nothing crosses it has one of
-// the first three.
+// Tests for an ear, the strictest first. A polygon with a hole walks its bridge twice, so its corners and
+// edges touch each other. Such a polygon may have no ear of the first kind, but if nothing crosses it has one
+// of the first three.
 enum class Ask { kNothingTouches, kNothingCrosses, kNoArea, kAnything };
 
 bool isEar(const std::vector<glm::dvec2>& flat, const std::vector<std::uint32_t>& left, std::size_t at,
@@ -84,8 +84,8 @@ class CornerTree {
     for (std::uint32_t at = leaf_of_[corner]; at != kNone; at = nodes_[at].parent) --nodes_[at].left;
   }
 
-  // Whether `test` holds for a corner. Asked for all corners in the ear and on its rim, and for some beside
-  // it.
+  // True if `test` holds for a corner. It is asked for all corners in the ear and on its rim, and for some
+  // beside it.
   template <class Test>
   bool any(const Ear& ear, const Test& test) const {
     return any(0, ear, test);
@@ -121,7 +121,7 @@ class CornerTree {
     nodes_[at] = node;
   }
 
-  // Whether a box lies outside the ear's own box, or to the right of one of the ear's sides. Rounding is
+  // True if a box lies outside the ear's own box, or to the right of one of the ear's sides. Rounding is
   // safe: no corner in the box has a larger sum of products.
   static bool isBeside(const Ear& ear, const Node& node) {
     const glm::dvec2 low = glm::min(glm::min(ear.a, ear.b), ear.c),

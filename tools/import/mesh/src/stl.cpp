@@ -157,8 +157,7 @@ void readStl(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
   if (bytes.size() >= kHeaderBytes) std::memcpy(&declared, bytes.data() + 80, 4);
   const std::size_t fits = bytes.size() < kHeaderBytes ? 0 : (bytes.size() - kHeaderBytes) / kFacetBytes;
   const bool says_solid = isWord(trim(text.substr(0, 512)).substr(0, 5), "solid");
-  // Whether the four bytes can be a count: in a file of at most 4 GiB it is less than any four characters of
-  // a text.
+  // In a file of at most 4 GiB a count is less than any four characters of a text.
   const bool has_count = bytes.size() >= kHeaderBytes && declared < 0x09090909u;
   const bool is_text = says_solid && !has_count;
   if (is_text && holdsWord(afterFirstLine(text), "facet")) {

@@ -17,7 +17,7 @@ double tentBefore(double x) {
 }
 double boxBefore(double x) { return std::clamp(x + 0.5, 0.0, 1.0); }
 
-// Whether centres of two lattices coincide along an axis, up to rounding.
+// True if centers of two lattices coincide along an axis, up to rounding.
 bool isWhole(double x) { return std::abs(x - std::round(x)) < 1e-4; }
 
 int dominantAxis(const glm::dvec3& v) {

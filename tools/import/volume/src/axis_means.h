@@ -9,7 +9,7 @@
 
 namespace kelp::bake {
 
-// Whether each axis of the matrix's linear part is parallel to a coordinate axis.
+// True if each axis of the matrix's linear part is parallel to a coordinate axis.
 bool alongAxes(const glm::dmat4& m);
 
 // Along one axis of a grid: the voxels that one voxel of the part is the mean of, from `first` on, and the

@@ -138,8 +138,8 @@ std::string gridSubject(const GridHeader& grid) {
 
 namespace {
 
-// What a grid's name adds to the chosen grid's, in files with several parts as kelp-dump extract writes them:
-// beside "reed" and "steam.density" are "reed.Cd" and "steam.heat".
+// The part of a grid's name that follows the chosen grid's, in files with several parts as kelp-dump extract
+// writes them: beside "reed" and "steam.density" are "reed.Cd" and "steam.heat".
 std::string nameBeside(const GridHeader& grid, const GridHeader& chosen) {
   const std::size_t dot = chosen.name.rfind('.');
   for (const std::string& prefix :

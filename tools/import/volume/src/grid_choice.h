@@ -12,7 +12,7 @@ namespace kelp::bake {
 struct VolumeChoice {
   std::size_t grid = 0;
   std::optional<std::size_t> color, heat;
-  std::optional<std::size_t> attribute, palette;  // see paint.h; both or neither
+  std::optional<std::size_t> attribute, palette;  // see solid.h; both or neither
   bool color_named = false, heat_named = false;   // named by the settings
 };
 // ToolError kUsage if the settings name a grid that does not exist, or if several could be meant: the message

@@ -114,7 +114,7 @@ void checkLength(const InputFiles& files, const RawVolume& volume, std::uint64_t
                      bytes, volume.offset, volume.size.x, volume.size.y, volume.size.z, volume.voxelBytes()));
 }
 
-// What the settings ask of values in this range.
+// Checks the settings against the range of values.
 void checkRange(const InputFiles& files, const RawRange& range, double outside, bool solid,
                 const ImportSettings& settings) {
   if (!solid) {

@@ -101,8 +101,10 @@ class VolumeImport {
         [&](const ImportSettings& settings) {
           const Lattice other = latticeFor(settings);
           const double step = voxelEdge(other.to_index);  // voxels of the grid to one of the part
-          return volumeSize(other.size, paddingOf(part_, settings.pad), box.faces / (step * step),
-                            box.solid / (step * step * step));
+          PartSize size;
+          size.size = other.size + 2 * paddingOf(part_, settings.pad);
+          size.surface_voxels = box.faces / (step * step);
+          return size;
         },
         (color ? color->bytes() : 0) + (attribute ? attribute->bytes() : 0));
     ColorCounts counts;
@@ -165,7 +167,9 @@ class VolumeImport {
         lattice,
         [&](const ImportSettings& settings) {
           const Lattice other = fogLattice(files_, box, grid_, to_rig_, settings);
-          PartSize size = fogSize(other.size, paddingOf(part_, settings.pad), heat.has_value());
+          PartSize size;
+          size.size = other.size + 2 * paddingOf(part_, settings.pad);
+          size.fog_channels = heat ? 2 : 1;
           // One after the other.
           size.source_bytes = static_cast<double>(
               std::max(VolumeMeans::bytes(grid_, other.to_index, other.size),

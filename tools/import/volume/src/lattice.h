@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the voxels of a part lie in the index space of a grid.
+// The voxels of a part in the index space of a grid.
 #pragma once
 
 #include "grid_file.h"
@@ -30,8 +30,8 @@ double voxelEdge(const glm::dmat4& to_world);
 double shortestEdge(const glm::dmat4& to_world);
 // The edge of the cubes that a grid becomes: shortestEdge of raw volumes, voxelEdge of all others.
 double cubeEdge(const VolumeGrid& grid, const glm::dmat4& to_world);
-// Whether a grid's voxels can be kept: the settings ask for no others, or it was made for them, and it is
-// turned by quarters, mirrored and scaled alike along all axes at most.
+// True if a grid's voxels can be kept: the settings ask for no others, or it was made for them, and its
+// transform is quarter turns, mirrors and one scale for all axes.
 bool keepsVoxels(const VolumeGrid& grid, const glm::dmat4& index_to_rig, const ImportSettings& settings);
 Lattice ownLattice(const IndexBox& box, const glm::dmat4& index_to_rig);
 // Cubes as the settings ask; else as large as the grid's voxels, of raw volumes as their shortest edge.

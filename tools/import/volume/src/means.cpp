@@ -9,7 +9,7 @@
 namespace kelp::bake {
 namespace {
 
-// Where a grid's voxels can be.
+// The box that a grid's voxels can be in.
 struct MeansRange {
   explicit MeansRange(const VolumeGrid& grid)
       : first(grid.isDense() ? 0 : -kMaxCoordinate - 4),

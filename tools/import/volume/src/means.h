@@ -12,10 +12,10 @@
 
 namespace kelp::bake {
 
-// What counts of a density or a heat: the rest of the numbers is nothing.
+// Densities and heat that are negative or not finite count as 0.
 inline double amount(double value) { return value > 0 && std::isfinite(value) ? value : 0; }
 
-// Where the part's axes run along the grid's the means are exact (AxisMeans). Otherwise they are those of
+// Means are exact if the part's axes run along the grid's (AxisMeans). Otherwise they are those of
 // trilinear samples half a voxel apart, but no more than 16 along an axis and a billion in all. One for each
 // thread, copies of one, which share what is large; the grid and the lattice outlive it.
 class VolumeMeans {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "paint.h"
+#include "solid.h"
 
 #include "kelp/formats/brick.h"
 #include "kelp/import/core/source_model.h"

@@ -1,13 +1,47 @@
 // SPDX-License-Identifier: MIT
-// A solid of a sparse grid's values.
+// A solid of a sparse grid's values: the rule of what is solid, its box, its voxels and their look.
 #pragma once
 
+#include <vector>
+
+#include "kelp/formats/model.h"
+#include "kelp/import/core/import_settings.h"
 #include "kelp/import/core/source_model.h"
 #include "lattice.h"
-#include "paint.h"
-#include "solid_rule.h"
 
 namespace kelp::bake {
+
+// The meaning of a grid's numbers: solid or empty, or the density of fog.
+struct VolumeRule {
+  bool fog = false;
+  bool below = true;  // solid where the value is at most iso; else at least
+  double iso = 0;
+  bool binary = false;  // values are 0 and 1: there is no field to take normals from
+
+  bool solid(double value) const { return below ? value <= iso : value >= iso; }     // a NaN is not
+  double distance(double value) const { return below ? value - iso : iso - value; }  // at most 0 in the solid
+};
+
+// From the grid's type and class, and from its values where these say nothing; `notices` gets what had to be
+// guessed. ToolError kUsage for settings that do not go together, kInvalid for a background that would fill
+// all space.
+VolumeRule volumeRule(const InputFiles& files, const GridHeader& header, const VolumeGrid& grid,
+                      const ImportSettings& settings, std::vector<std::string>& notices);
+
+// The look that kelp-dump extract writes beside a solid, so that it bakes to the same pack again: two grids
+// of vec3s, as tools/kelp-dump/README.md describes them.
+
+// Of a surface voxel.
+struct PaintedVoxel {
+  std::size_t entry = 0;  // of the palette
+  glm::vec3 normal{0};    // in the grid's axes
+};
+// Grid kelp_attribute: (palette index, octahedral normal u, v) at surface voxels. False where there is none.
+bool paintedVoxel(const VolumeSampler& attribute, const glm::dvec3& place, PaintedVoxel& voxel);
+
+// Grid kelp_palette: of entry i, base colour at (i, 0, 0), emitted light at (i, 1, 0), opacity, metallic and
+// roughness at (i, 2, 0). Empty where it is not that.
+std::vector<Material> paintedPalette(const VolumeGrid& palette);
 
 struct SolidBox {
   // ends at the surface: the outermost crossings of the isovalue along each axis
@@ -25,7 +59,7 @@ struct ColorCounts {
   // edited the grids
   std::uint64_t unpainted = 0;
 };
-// What lies beside the grid that is solid.
+// The other grids that give a solid its look.
 struct SolidLooks {
   const VolumeGrid* color = nullptr;      // may be null
   const VolumeGrid* attribute = nullptr;  // may be null; only where the lattice's voxels are the grid's own

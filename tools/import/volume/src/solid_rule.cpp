@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solid_rule.h"
+#include "solid.h"
 
 #include <algorithm>
 #include <cmath>

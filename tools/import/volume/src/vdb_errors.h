@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the libraries throw, as errors of kelp's.
+// Turns exceptions of the libraries into kelp's.
 #pragma once
 
 #include <cstring>

@@ -18,7 +18,7 @@ using openvdb::CoordBBox;
 using openvdb::Vec3d;
 using openvdb::math::Transform;
 
-// What a grid's cubes hold. Between integers there are others.
+// The grid type of the cubes: float for integers, because values are interpolated.
 template <class Grid>
 using CubesOf = std::conditional_t<std::is_integral_v<typename Grid::ValueType> &&
                                        !std::is_same_v<typename Grid::ValueType, bool>,

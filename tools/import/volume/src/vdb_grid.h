@@ -24,7 +24,7 @@ std::string valueWord(const std::string& tree_type);
 GridKind kindOf(const std::string& tree_type);
 GridClass classOf(openvdb::GridClass grid_class);
 
-// What the voxels say: how many are active, and where. ToolError kInvalid for nodes in the wrong place.
+// Counts the active voxels and finds their box. ToolError kInvalid for nodes in the wrong place.
 void describeVoxels(const InputFiles& files, const std::string& place, const openvdb::GridBase& grid,
                     GridHeader& header);
 // Of kinds that can be read.

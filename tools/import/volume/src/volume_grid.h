@@ -22,7 +22,7 @@ enum class GridClass : std::uint8_t { kUnknown, kLevelSet, kFogVolume, kStaggere
 // kBinary: bool and mask, whose values are 0 and 1. kOther: texts, indices, unknown types.
 enum class GridKind : std::uint8_t { kScalar, kBinary, kVector, kPoints, kOther };
 
-// What is known of a grid.
+// A grid as its file lists it.
 struct GridHeader {
   std::string name;  // fit for a message, and for --grid
   std::string type;  // the format's own word: "float", "half", "vec3s"
@@ -91,7 +91,7 @@ struct VolumeGrid {
   std::uint64_t bytes() const { return tree->bytes() + (color ? color->bytes() : 0); }
 };
 
-// Whether a place is one that trilinear interpolation may be asked for: finite, and near enough to the
+// True if trilinear interpolation works at a place: its coordinates are finite, and near enough to the
 // lattice.
 inline bool onLattice(const glm::dvec3& place) {
   return std::abs(place.x) < kMaxCoordinate && std::abs(place.y) < kMaxCoordinate &&

@@ -19,7 +19,7 @@ namespace {
 // the most voxels of all instances together, to bound the time
 constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 30;
 
-// Where a model's voxels go: `turn` x voxel + `shift`. A voxel's centre turns about the corner at half of the
+// A model's voxels go to `turn` x voxel + `shift`. A voxel's center turns about the corner at half of the
 // model's size, rounded down. Doubled coordinates keep all of this whole.
 struct Standing {
   VoxelTurn turn;

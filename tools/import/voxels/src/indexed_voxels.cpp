@@ -40,18 +40,19 @@ void VolumeMemory::add(const SourcePart& part, const VoxelPoint& size) {
   require();
 }
 
-void VolumeMemory::know(std::uint64_t surface, std::uint64_t solid) {
+void VolumeMemory::know(std::uint64_t surface) {
   parts_.back().surface = surface;
-  parts_.back().solid = solid;
   require();
 }
 
 void VolumeMemory::require() const {
   const auto sizes = [&](const ImportSettings& changed) {
     std::vector<PartSize> all;
-    for (const Known& part : parts_)
-      all.push_back(volumeSize(part.size, changed.pad * part.padded, static_cast<double>(part.surface),
-                               static_cast<double>(part.solid)));
+    for (const Known& part : parts_) {
+      PartSize& size = all.emplace_back();
+      size.size = part.size + 2 * changed.pad * part.padded;
+      size.surface_voxels = static_cast<double>(part.surface);
+    }
     return all;
   };
   // the file's voxels are kept: no resolution would help
@@ -61,9 +62,7 @@ void VolumeMemory::require() const {
 VoxelGrid paintVoxels(IndexedVoxels voxels, const VoxelPaint& paint, VolumeMemory& memory, int threads) {
   fields::Occupancy occupancy{voxels.size, std::move(voxels.index)};
   const std::vector<std::uint64_t> surface = fields::surfaceVoxels(occupancy, threadCount(threads));
-  const auto solid = std::count_if(occupancy.solid.begin(), occupancy.solid.end(),
-                                   [](std::uint8_t index) { return index != 0; });
-  memory.know(surface.size(), static_cast<std::uint64_t>(solid));
+  memory.know(surface.size());
   VoxelGrid grid;
   grid.size = voxels.size;
   grid.to_node = voxels.to_node;

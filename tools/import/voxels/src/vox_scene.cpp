@@ -193,7 +193,7 @@ VoxScene arrangeVox(const InputFiles& files, const VoxFile& file, std::optional<
   if (!frame && last > 0)
     scene.notices.push_back("its animation of " + std::to_string(last + 1) +
                             " frames was taken where it begins; --frame N takes another moment, from 0 on");
-  // Where objects overlap, the first is seen in files of version 200, the last in older ones: both save the
+  // Of objects that overlap the first is seen in files of version 200, the last in older ones: both save the
   // same scene in opposite orders.
   if (file.version >= 200) std::reverse(scene.instances.begin(), scene.instances.end());
   return scene;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "kelp/import/voxels/voxel_normals.h"
+#include "kelp/import/voxels/indexed_voxels.h"
 
 #include <algorithm>
 #include <array>

@@ -69,45 +69,25 @@ std::uint64_t stackBytes(int threads) {
   return kThreadsOfEach * count * stack;
 }
 
-// Limits this process to `bytes`, which it may raise to `most` later. Never beyond the old limits.
-void limit(__rlimit_resource kind, std::uint64_t most, std::uint64_t bytes) {
+// Limits this process for good, not beyond what held for it.
+void limit(__rlimit_resource kind, std::uint64_t bytes) {
   rlimit now{};
   if (getrlimit(kind, &now) != 0) return;
-  now.rlim_max = std::min<rlim_t>(now.rlim_max, most);
-  now.rlim_cur = std::min<rlim_t>(now.rlim_max, bytes);
+  now.rlim_cur = std::min<rlim_t>(now.rlim_cur, bytes);
+  now.rlim_max = std::min<rlim_t>(now.rlim_max, bytes);
   setrlimit(kind, &now);
 }
 
-// Limits memory during and after the import, and the output's size. No core dumps.
-class ChildLimits {
- public:
-  explicit ChildLimits(const bake::Settings& settings)
-      : others_(dataBytes() + kOwnBytes + stackBytes(settings.threads)),
-        model_(settings.max_memory > 0 ? settings.max_memory : physicalMemory()) {
-    rlimit data{}, files{};
-    getrlimit(RLIMIT_DATA, &data);
-    getrlimit(RLIMIT_FSIZE, &files);
-    most_ = std::min<std::uint64_t>(data.rlim_cur, others_ + std::max(model_, physicalMemory()));
-    const std::uint64_t output = std::min<std::uint64_t>(files.rlim_cur, physicalMemory());
-    limit(RLIMIT_FSIZE, output, output);
-    limit(RLIMIT_CORE, 0, 0);
-    // If memory runs out, the system ends this process first.
-    std::ofstream("/proc/self/oom_score_adj") << 1000;
-    enter("import");
-  }
-
-  void enter(std::string_view stage) {
-    const bool importing = stage == "import";
-    if (importing == importing_) return;
-    importing_ = importing;
-    limit(RLIMIT_DATA, most_, importing ? others_ + model_ : most_);
-  }
-
- private:
-  const std::uint64_t others_, model_;  // memory of the program, and for the model
-  std::uint64_t most_ = 0;
-  bool importing_ = false;
-};
+// The memory of the model and the program, and the size of the output. No core: it would hold as much again.
+void limitChild(const bake::Settings& settings) {
+  const std::uint64_t model = settings.max_memory > 0 ? settings.max_memory : physicalMemory(),
+                      memory = model + dataBytes() + kOwnBytes + stackBytes(settings.threads);
+  limit(RLIMIT_DATA, memory);
+  limit(RLIMIT_FSIZE, physicalMemory());
+  limit(RLIMIT_CORE, 0);
+  // should memory give out, this is the process to end
+  std::ofstream("/proc/self/oom_score_adj") << 1000;
+}
 
 // Closes all but the output and the two pipes. One pipe becomes stdout and stderr, for libraries.
 void keepOpen(int pipe, int prints, int output) {
@@ -124,13 +104,11 @@ void keepOpen(int pipe, int prints, int output) {
   ::close_range(first, ~0U, 0);
 }
 
-std::string bakeInto(const Options& options, OutputFile& output, int pipe, const Containment& containment,
-                     ChildLimits& limits) {
+std::string bakeInto(const Options& options, OutputFile& output, int pipe, const Containment& containment) {
   bake::Report report;
   std::string shown;
   Clock::time_point told{};
   const auto progress = [&](std::string_view stage, double done) {
-    limits.enter(stage);
     const auto now = Clock::now();
     if (stage != shown || done >= 1 || now - told >= kTellEvery) {
       shown = stage;
@@ -175,13 +153,13 @@ void runChild(pid_t parent, int pipe, int prints, const Options& options, Output
   const std::string input = options.input.string();
   try {
     keepOpen(pipe, prints, output.descriptor());
-    ChildLimits limits(options.settings);
+    limitChild(options.settings);
     const Containment containment = giveUpAllBut(placesToRead(options), endForbidden);
-    tell(pipe, Word::kDone, bakeInto(options, output, pipe, containment, limits));
+    tell(pipe, Word::kDone, bakeInto(options, output, pipe, containment));
   } catch (const ToolError& error) {
     fail(error.exit, error.what());
   } catch (const std::bad_alloc&) {
-    fail(Exit::kRuntime, input + ": out of memory; lower --resolution");
+    fail(Exit::kRuntime, input + ": out of memory; lower --resolution, or raise --max-memory");
   } catch (const std::exception& error) {
     fail(Exit::kRuntime, input + ": unexpected: " + error.what() + "; please report this as a defect");
   }

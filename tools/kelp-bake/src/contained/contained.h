@@ -21,10 +21,10 @@ struct Contained {
 // pack. `show` is called with the steps of the bake.
 //
 // The child may read the input's folder, the files that the options name and the system's libraries; it may
-// write what is open: the output and its pipes. Memory is limited by Settings::max_memory during the import
-// and by the machine's after it, the output by the machine's memory. Options::max_import_seconds limits the
-// import, and every later step that shows no progress. interrupted() is passed on. If the child does not
-// react for seconds, it is killed. It ends with this process.
+// write what is open: the output and its pipes. Memory is limited by Settings::max_memory or the machine's,
+// the output by the machine's. Options::max_import_seconds limits the import, and every later step that shows
+// no progress. interrupted() is passed on. If the child does not react for seconds, it is killed. It ends
+// with this process.
 //
 // Throws the bake's ToolError; kRuntime with the input's name if the child crashes, exceeds a limit or makes
 // a forbidden call; kInterrupted. Call it while this program has no threads of its own.

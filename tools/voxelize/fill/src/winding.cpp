@@ -196,7 +196,7 @@ std::vector<Doubt> findDoubts(const Topology& mesh, const glm::ivec3& size, int 
   std::vector<Doubt> doubts;
   DoubtFinder finder(mesh, size, threads);
   // Caps are the last triangles, component by component.
-  const std::span<const SolidTriangle> caps = std::span(mesh.triangles).last(mesh.cones);
+  const std::span<const SolidTriangle> caps = std::span(mesh.triangles).last(mesh.caps);
   for (std::size_t begin = 0; begin < caps.size();) {
     std::size_t end = begin + 1;
     while (end < caps.size() && caps[end].component == caps[begin].component) ++end;

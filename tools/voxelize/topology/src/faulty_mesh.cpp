@@ -167,9 +167,6 @@ class FaultyMeshMaker {
   void connectFaces() {
     HalfEdgeMesh& half_edges = made_.half_edges;
     half_edges.resize(made_.vertices.size(), edge_count_, made_.triangles.size());
-    for (std::size_t i = 0; i < made_.vertices.size(); ++i)
-      half_edges.set_point(half_edges.vertex_handle(static_cast<unsigned>(i)),
-                           toPoint(mesh_.position(made_.vertices[i])));
     for (std::uint32_t face = 0; face < made_.triangles.size(); ++face) {
       const OpenMesh::FaceHandle handle = half_edges.face_handle(face);
       const std::array<std::uint32_t, 3> order =

@@ -6,11 +6,15 @@
 #include <cstdint>
 #include <vector>
 
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+
 #include "edges.h"
-#include "half_edge_mesh.h"
 #include "kelp/voxelize/topology/topology.h"
 
 namespace kelp::bake {
+
+// Handles are indices, so that whatever goes through them in order is the same everywhere.
+using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<OpenMesh::DefaultTraitsDouble>;
 
 // Every triangle of these components is a face, in the mesh's order; every side of one is a half-edge.
 struct FaultyMesh {

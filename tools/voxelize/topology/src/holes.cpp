@@ -2,6 +2,7 @@
 #include "holes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -69,12 +70,7 @@ class HoleFinder {
     Hole& hole = holes_.emplace_back();
     hole.component = componentOf(path_[first]);
     for (std::size_t i = first; i < path_.size(); ++i) {
-      const OpenMesh::SmartVertexHandle from = path_[i].from();
-      hole.corners.push_back(nameOf(from));
-      glm::dvec3 normal(0);
-      for (const OpenMesh::SmartFaceHandle face : from.faces())
-        normal += mesh_.areaVector(mesh_.triangles[faulty_.triangles[static_cast<std::size_t>(face.idx())]]);
-      hole.normals.push_back(normal);
+      hole.corners.push_back(nameOf(path_[i].from()));
       place_[hole.corners.back()] = kNowhere;
     }
     path_.erase(path_.begin() + first, path_.end());
@@ -90,16 +86,32 @@ class HoleFinder {
 
 }  // namespace
 
-void Hole::turn() {
-  std::reverse(corners.begin() + 1, corners.end());
-  std::reverse(normals.begin() + 1, normals.end());
-  for (glm::dvec3& normal : normals) normal = -normal;
-}
-
 std::vector<Hole> findHoles(Topology& mesh, const FaultyMesh& faulty) {
   std::vector<Hole> holes = HoleFinder(mesh, faulty).find();
   for (const Hole& hole : holes) ++mesh.components[hole.component].diagnosis.holes;
   return holes;
+}
+
+std::vector<SolidTriangle> makeFans(Topology& mesh, const std::vector<Hole>& holes) {
+  std::vector<SolidTriangle> fans;
+  for (const Hole& hole : holes) {
+    glm::dvec3 moment(0);
+    double length = 0;
+    const auto apex = static_cast<std::uint32_t>(mesh.lattice.size());
+    for (std::size_t i = 0; i < hole.corners.size(); ++i) {
+      const std::uint32_t corner = hole.corners[i], next = hole.corners[(i + 1) % hole.corners.size()];
+      const glm::dvec3 a(mesh.lattice[corner]), b(mesh.lattice[next]);
+      moment += (a + b) * 0.5 * glm::length(b - a);
+      length += glm::length(b - a);
+      SolidTriangle& triangle = fans.emplace_back();
+      triangle.vertex = {corner, next, apex};
+      triangle.source = kCap;
+      triangle.component = hole.component;
+    }
+    const glm::dvec3 p = moment / length;
+    mesh.lattice.emplace_back(std::llround(p.x), std::llround(p.y), std::llround(p.z));
+  }
+  return fans;
 }
 
 }  // namespace kelp::bake

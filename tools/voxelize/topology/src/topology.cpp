@@ -6,12 +6,11 @@
 #include <functional>
 
 #include "bucket_sort.h"
-#include "caps.h"
 #include "edges.h"
 #include "faulty_mesh.h"
 #include "holes.h"
 #include "kelp/common/point_index.h"
-#include "kelp/voxelize/topology/reasons.h"
+#include "kelp/voxelize/topology/fill_report.h"
 #include "lines.h"
 
 namespace kelp::bake {
@@ -142,7 +141,7 @@ std::vector<Hole> mend(Topology& mesh, int threads) {
   return findHoles(mesh, makeFaultyMesh(mesh, std::move(edges)));
 }
 
-void measure(Topology& mesh, const std::vector<SolidTriangle>& caps) {
+void measure(Topology& mesh, const std::vector<SolidTriangle>& fans) {
   // Volumes are summed around a point of each component: far from the origin the terms would cancel badly.
   std::vector<std::uint32_t> anchor(mesh.components.size(), kCap);
   const auto add = [&](const SolidTriangle& t, double& area) {
@@ -157,7 +156,7 @@ void measure(Topology& mesh, const std::vector<SolidTriangle>& caps) {
     add(t, mesh.components[t.component].area);
     ++mesh.components[t.component].triangles;
   }
-  for (const SolidTriangle& t : caps) {
+  for (const SolidTriangle& t : fans) {
     add(t, mesh.components[t.component].cap_area);
     mesh.components[t.component].closed = false;
   }
@@ -170,8 +169,8 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill, int th
   weld(soup, frame, mesh);
   removeDuplicates(mesh, threads);
   findWalls(mesh, threads);
-  std::vector<Hole> holes = mend(mesh, threads);
-  measure(mesh, makeCones(mesh, holes));
+  const std::vector<SolidTriangle> fans = makeFans(mesh, mend(mesh, threads));
+  measure(mesh, fans);
   mesh.closed = true;
   for (Component& c : mesh.components) {
     mesh.closed = mesh.closed && (c.closed || c.wall);
@@ -181,10 +180,12 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill, int th
     // line has none of either.
     c.thin = !c.solid || 2.0 * std::abs(c.volume) <= 0.75 * (c.area + c.cap_area);
   }
+  for (const SolidTriangle& t : fans) {
+    if (mesh.components[t.component].solid) mesh.triangles.push_back(t), ++mesh.caps;
+  }
   for (SolidTriangle& t : mesh.triangles) {
     if (mesh.components[t.component].solid && mesh.components[t.component].volume < 0) t.turn();
   }
-  addCaps(mesh, std::move(holes));
   mesh.summary = summariseFill(mesh, fill);
   return mesh;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How large a part's voxels are.
+// Size and place of a part's voxels.
 #pragma once
 
 #include <string>
@@ -28,8 +28,8 @@ inline constexpr int kMaxResolution = 8192;
 // Bounds for the edge of a voxel, in units of the file, so that squares and volumes of lengths stay within a
 // float's range.
 inline constexpr double kSmallestVoxel = 1e-12, kLargestVoxel = 1e12;
-// How far, in voxels, a mesh may lie from its origin. Doubles tell half a step of the filler's lattice apart
-// there.
+// The farthest that a mesh may lie from its origin, in voxels. There doubles still resolve half a step of the
+// filler's lattice.
 inline constexpr double kFarthest = 0x1p38;
 
 // Extents of the soup in the rig's axes (x, y, z with y along the spline); node units. ToolError kInvalid if

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the user asks of an importer.
+// Settings of the importers.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace kelp::bake {
 
-// What becomes a part. kOne: each node with a rig, with its subtree, and one part of all the rest. kNodes:
+// The choice of parts. kOne: each node with a rig, with its subtree, and one part of all the rest. kNodes:
 // every node with a mesh that no rig bends; animations of nodes become clips.
 enum class Parts : std::uint8_t { kOne, kNodes };
 
-// What a volume becomes. kAuto: level sets and masks are solid, and any grid with an isovalue; densities are
+// The kind of a volume. kAuto: level sets and masks are solid, and any grid with an isovalue; densities are
 // fog.
 enum class VolumeKind : std::uint8_t { kAuto, kSolid, kFog };
 

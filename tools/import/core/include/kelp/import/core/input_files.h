@@ -30,7 +30,7 @@ struct UnreadableFile : ToolError {
   using ToolError::ToolError;
 };
 
-// Whether an error is the machine's and not the file's: too little memory, a disk that fails.
+// True for errors of the machine, not of the file: too little memory, a disk that fails.
 bool isOfTheMachine(const ToolError& error);
 
 class InputFiles;
@@ -53,11 +53,11 @@ void checkPartCount(const InputFiles& files, std::size_t parts, std::string_view
 // RFC 3986, section 2.1; nullopt if an escape is broken.
 std::optional<std::string> percentDecode(std::string_view text);
 
-// Whether a URI has a scheme, such as "http:" or "data:", so that it is not a file beside the input. RFC
-// 3986, section 3.1; a single letter is a drive.
+// True if a URI has a scheme, such as "http:" or "data:", and so is no file beside the input. RFC 3986,
+// section 3.1; a single letter is a drive.
 bool hasScheme(std::string_view uri);
 
-// Whether a URI holds its data itself ("data:"). RFC 2397.
+// True if a URI holds its data itself ("data:"). RFC 2397.
 bool isDataUri(std::string_view uri);
 
 // File extension in lower case, with its dot.
@@ -82,7 +82,7 @@ class InputFiles {
   std::vector<std::uint8_t> readReference(std::string_view reference, Reference kind) const;
   // Any other file that the user named, such as a rig.
   std::vector<std::uint8_t> readFile(const std::filesystem::path& path) const;
-  // Whether a file exists. A missing one is noted in FilesUsed: the bake depends on it.
+  // True if a file exists. A missing one is noted in FilesUsed: the bake depends on it.
   bool isThere(const std::filesystem::path& path) const;
   // The bytes read so far, each file counted once. The memory that a model may use is measured by it.
   std::uint64_t bytesRead() const { return bytes_read_; }

@@ -17,7 +17,7 @@ struct OuterRig {
   RigDescription rig;
   std::string origin;
 };
-// What --rig takes beside files: the presets, and kSkinRig.
+// The values of --rig that are no files: the presets, and kSkinRig.
 std::vector<std::string> rigNames();
 
 std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettings& settings);

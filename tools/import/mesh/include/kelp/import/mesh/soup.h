@@ -66,7 +66,7 @@ class SoupBuilder {
   std::vector<std::uint32_t> piece_;  // for each vertex, the first piece that has it
 };
 
-// Whether a box is so far from 0 that rounding to floats would move its content by more than a millionth of
+// True if a box is so far from 0 that rounding to floats would move its content by more than a millionth of
 // its extent.
 bool isFar(const glm::dvec3& low, const glm::dvec3& high);
 

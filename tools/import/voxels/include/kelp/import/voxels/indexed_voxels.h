@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-// What the importers of voxel files share: one colour index a voxel, kept as it is.
+// Voxels with a color index each, kept as they are: shared by the importers of voxel files.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
+#include "kelp/fields/fields.h"
 #include "kelp/import/core/import_settings.h"
 #include "kelp/import/core/input_files.h"
 #include "kelp/import/core/memory_estimate.h"
 #include "kelp/import/core/source_model.h"
-#include "kelp/import/voxels/voxel_normals.h"
 
 namespace kelp::bake {
 
@@ -20,7 +21,7 @@ using VoxelPoint = glm::vec<3, std::int64_t>;
 
 // The file's axes -> the axes of a rig along `axis`.
 VoxelTurn turnOf(Axis axis);
-// Where a voxel is after its cube has turned about the origin.
+// The place of a voxel after its cube has turned about the origin.
 inline VoxelPoint turned(const VoxelTurn& turn, const VoxelPoint& voxel) {
   return (turn * (voxel * std::int64_t{2} + VoxelPoint(1)) - VoxelPoint(1)) / std::int64_t{2};
 }
@@ -52,6 +53,18 @@ struct IndexedVoxels {
 IndexedVoxels emptyVoxels(const VoxelBox& box, const VoxelTurn& to_rig, double edge,
                           const glm::dvec3& origin = glm::dvec3(0));
 
+// kDetailed: for models built of cubes; kSmooth: for scans
+enum class VoxelNormals : std::uint8_t { kDetailed, kSmooth };
+
+// The outward unit normals of these voxels, all of which are solid. The same on any number of threads. Takes
+// one more byte for each voxel of the volume.
+std::vector<glm::vec3> smoothedNormals(const fields::Occupancy& occupancy,
+                                       std::span<const std::uint64_t> voxels, VoxelNormals kind, int threads);
+
+// 1 where a voxel is solid, or empty and enclosed: no path over faces of empty voxels leads out of the
+// volume.
+std::vector<std::uint8_t> withoutCavities(const fields::Occupancy& occupancy);
+
 // The materials of a grid's voxels.
 struct VoxelPaint {
   VoxelNormals normals = VoxelNormals::kDetailed;
@@ -68,13 +81,13 @@ class VolumeMemory {
       : files_(files), settings_(settings) {}
   // Adds a part of which only the box is known; its sides may be far too large.
   void add(const SourcePart& part, const VoxelPoint& size);
-  // Sets the number of voxels of the part that was added last.
-  void know(std::uint64_t surface, std::uint64_t solid);
+  // Sets the number of surface voxels of the part that was added last.
+  void know(std::uint64_t surface);
 
  private:
   struct Known {
     glm::ivec3 size{0}, padded{0};  // padded: 1 along the axes that get padding
-    std::uint64_t surface = 0, solid = 0;
+    std::uint64_t surface = 0;
   };
   void require() const;
 

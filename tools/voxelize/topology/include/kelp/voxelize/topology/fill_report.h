@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
-// How to fill a mesh, and the numbers of a fill for the report.
+// Ways to fill a mesh, and the numbers and reasons of a fill for the report.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace kelp::bake {
+
+struct Topology;
+struct TriangleSoup;
 
 enum class Fill : std::uint8_t { kAuto, kSolid, kSurface };
 
@@ -19,7 +23,7 @@ struct MeshCounts {
   std::uint64_t dropped = 0;             // triangles not counted above: without area, or not finite
 };
 
-// What the half-edge mesh of a component shows; zeros for closed, manifold ones, which need none.
+// Faults that the half-edge mesh of a component shows; zeros for closed, manifold ones, which need none.
 struct Diagnosis {
   std::uint64_t open_edges = 0;      // edges of one triangle
   std::uint64_t split_edges = 0;     // edges of three triangles or more, made into edges of two and of one
@@ -56,10 +60,19 @@ struct ComponentReport {
   double surface_share = 0;  // of the part's area
   bool solid = false;
   Diagnosis diagnosis;
-  std::string why;  // "closed", "closed, but encloses nothing: ...", "holes of 2.2 % of its surface were
-                    // capped", "open: ..."
+  std::string why;  // "closed", "closed, but encloses nothing: ...", "5 holes closed by fans (2.2 % of its
+                    // surface)", "open: ..."
 };
 // The most ComponentReports of a part; the largest by area are kept.
 inline constexpr std::size_t kMaxComponentReports = 64;
+
+// Counts the mesh as in the file. Takes 24 bytes for each triangle and 8 for each vertex while it runs.
+MeshCounts countMesh(const TriangleSoup& soup, int threads = 1);
+// All of FillCounts except kept_voxels. `triangles`: of the mesh in the file.
+FillCounts countFill(const Topology& mesh, std::uint64_t triangles);
+// One line for the part.
+std::string summariseFill(const Topology& mesh, Fill fill);
+// One entry per component, the largest kMaxComponentReports by area, in that order.
+std::vector<ComponentReport> describeComponents(const Topology& mesh, Fill fill);
 
 }  // namespace kelp::bake

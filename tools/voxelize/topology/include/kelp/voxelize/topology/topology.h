@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A triangle soup made ready to fill: snapped, welded, consistently wound, holes capped.
+// A triangle soup made ready to fill: snapped, welded, consistently wound, holes closed.
 #pragma once
 
 #include <array>
@@ -26,7 +26,6 @@ struct SolidTriangle {
   // corners 1 and 2 are swapped against the soup: the triangle's winding was wrong. In a sheet: it differed
   // from most of the triangles around it.
   bool swapped = false;
-  bool seam = false;  // joins a cap to the edges of its hole; its orientation has no meaning
   // modelled from both sides, and the component it is attached to is nearer to closed without it
   bool wall = false;
 
@@ -51,12 +50,12 @@ struct Component {
 
 struct Topology {
   std::vector<glm::i64vec3> lattice;  // vertices in lattice units
-  // Wound outward in solid components. Order: the file's triangles, caps, cones.
+  // Wound outward in solid components. Order: the file's triangles, then those that close holes.
   std::vector<SolidTriangle> triangles;
-  std::size_t caps = 0, cones = 0;  // how many; `caps` includes the cones
+  std::size_t caps = 0;  // how many close holes
   std::vector<Component> components;
   bool closed = false;  // all components were closed
-  // "solid: 3 of 4 components closed, 1 has holes (1.2 % of its surface), capped"
+  // "solid: 3 of 4 components closed, 1 with 5 holes closed by fans (1.2 % of its surface)"
   std::string summary;
 
   glm::dvec3 position(std::uint32_t vertex) const { return glm::dvec3(lattice[vertex]) * kLatticeStep; }
@@ -71,8 +70,8 @@ inline constexpr double kMaxHoleShare = 0.17;
 
 // Decides which components are solid and which are sheets. A component is a set of triangles connected by
 // shared edges; walls are connected only to walls. The boundary of a component is a cycle of oriented edges.
-// A cone from a point to that cycle closes the component exactly, whatever the shape of the holes, so the
-// signed crossings along any line sum to zero. kAuto: solid if the cones are small beside the surface.
+// A fan from a point to that cycle closes the component exactly, whatever the shape of the holes, so the
+// signed crossings along any line sum to zero. kAuto: solid if the fans are small beside the surface.
 // kSolid, kSurface: all are.
 Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill, int threads = 1);
 

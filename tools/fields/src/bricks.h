@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The grid of a level: what every brick's cell says, and which bricks are stored.
+// The grid of a level: the cell of every brick, and the clearance of empty bricks.
 #pragma once
 
 #include <cstdint>
@@ -19,5 +19,13 @@ struct BrickCells {
 // of fog empty) kCellInside; the others a slot, in Morton order. Throws std::invalid_argument where slots do
 // not suffice.
 BrickCells buildCells(const SolidBits& bits, std::span<const std::uint8_t> has_surface, int threads);
+
+// For each brick of the grid, x fastest, the distance of its closed cube to the nearest solid voxel's, in
+// voxels, rounded down, at most kCellMaxClearance; 0 for bricks that hold something. Made from the bits of
+// the voxels, without an array of all voxels' distances.
+std::vector<std::uint8_t> brickClearances(const SolidBits& bits, int threads);
+
+// Bytes that it needs, its result included.
+std::uint64_t brickClearanceBytes(const glm::ivec3& grid);
 
 }  // namespace kelp::fields
