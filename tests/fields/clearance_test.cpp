@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 
 #include "every_target.h"
 #include "kelp/fields/fields.h"
@@ -89,38 +88,6 @@ TEST(Neighbours, RefuseSizesThatDoNotFit) {
   EXPECT_THROW(fields::surfaceVoxels(volume, 1), std::invalid_argument);
   EXPECT_THROW(fields::squaredClearance(volume, 1), std::invalid_argument);
   EXPECT_THROW(fields::coarser(volume), std::invalid_argument);
-}
-
-// root = floor(scale sqrt(s)) if and only if root^2 <= scale^2 s < (root + 1)^2, in integers wide enough for
-// all of them.
-bool isFloorOfRoot(std::uint64_t root, std::uint64_t squared, std::uint64_t scale) {
-  __extension__ using Wide = unsigned __int128;
-  const Wide target = Wide{scale} * scale * squared;
-  return Wide{root} * root <= target && target < Wide{root + 1} * (root + 1);
-}
-
-TEST(QuantizedClearance, IsTheExactFloor) {
-  for (const std::uint32_t scale : {1u, 4u, 256u, 257u, 65535u}) {
-    for (std::uint32_t s = 0; s < 200000; ++s)
-      ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
-    // Around squares, where rounding would show.
-    for (std::uint64_t root = 1; root <= 65535; root += root < 2000 ? 1 : 97) {
-      for (const int step : {-1, 0, 1}) {
-        const auto s = static_cast<std::uint32_t>(root * root + static_cast<std::uint64_t>(step));
-        ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
-      }
-    }
-    for (std::uint32_t s = 0xffffffffu; s > 0xffffff00u; --s)
-      ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
-    std::mt19937 random(scale);
-    for (int i = 0; i < 200000; ++i) {
-      const std::uint32_t s = random();
-      ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
-    }
-  }
-  EXPECT_EQ(fields::quantizedClearance(108, 4), 41u);
-  EXPECT_EQ(fields::quantizedClearance(9, 256), 768u);
-  EXPECT_THROW(fields::quantizedClearance(1, 65536), std::invalid_argument);
 }
 
 }  // namespace

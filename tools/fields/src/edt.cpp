@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "check.h"
@@ -58,18 +57,6 @@ std::vector<std::uint32_t> squaredClearance(const Occupancy& occupancy, int thre
   std::vector<std::uint32_t> squared(dilated.size());
   squaredDistance(dilated, occupancy.size, squared, threads);
   return squared;
-}
-
-std::uint32_t quantizedClearance(std::uint32_t squared, std::uint32_t scale) {
-  if (scale > kMaxClearanceScale)
-    throw std::invalid_argument("the scale of a clearance is at most " + std::to_string(kMaxClearanceScale));
-  // floor(scale sqrt(s)) = floor(sqrt(scale^2 s)), below 2^64. The double is near; integers decide.
-  const std::uint64_t square = std::uint64_t{scale} * scale * squared;
-  auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(square)));
-  if (root > 0xffffffffu) root = 0xffffffffu;
-  while (root * root > square) --root;
-  while (root < 0xffffffffu && (root + 1) * (root + 1) <= square) ++root;
-  return static_cast<std::uint32_t>(root);
 }
 
 }  // namespace kelp::fields

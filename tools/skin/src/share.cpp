@@ -47,7 +47,7 @@ VoxelOwners shareVoxels(const SkinSamples& samples, const SkinSpace& space, cons
   {
     std::vector<std::uint8_t> is_surface(whole.solid.size(), 0);
     for (const SurfaceSample& sample : whole.surface) is_surface[sample.index] = 1;
-    out.surface = fields::nearestSet(is_surface, whole.size, glm::dvec3(1), threads);
+    out.surface = fields::nearestSet(is_surface, whole.size, threads);
   }
   // From a surface voxel's place to its number.
   const auto numberOf = [&](std::uint32_t index) {

@@ -98,7 +98,7 @@ Pixel clearanceOf(const LevelVoxels& level, PackFile& file, std::uint32_t part) 
     const std::size_t at = denseIndex(size, v);
     return squared[at] == fields::kNoFeature
                ? grey(255)
-               : grey(static_cast<int>(std::min(fields::quantizedClearance(squared[at], 4), 255u)));
+               : grey(static_cast<int>(std::min(4 * std::sqrt(static_cast<double>(squared[at])), 255.0)));
   };
 }
 

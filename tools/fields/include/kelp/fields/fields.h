@@ -35,21 +35,10 @@ struct Occupancy {
 void squaredDistance(std::span<const std::uint8_t> set, const glm::ivec3& size,
                      std::span<std::uint32_t> squared, int threads);
 
-// The same for voxels of `spacing` along x, y and z, in any unit: the index (x + size.x (y + size.y z)) of a
-// set voxel whose centre is nearest to voxel i's, to the rounding of doubles where two are as near;
-// kNoFeature if none is set. Plain loops on `threads` threads. Throws std::invalid_argument as above, for
-// spacings that are not above 0 and finite, and for volumes of 2^32 - 1 voxels and more.
-std::vector<std::uint32_t> nearestSet(std::span<const std::uint8_t> set, const glm::ivec3& size,
-                                      const glm::dvec3& spacing, int threads);
-
-// The distance to it, in the unit of `spacing`; infinite if no voxel is set, 0 for set ones. Of cubes it is
-// the root of squaredDistance, as fast.
-std::vector<float> distance(std::span<const std::uint8_t> set, const glm::ivec3& size,
-                            const glm::dvec3& spacing, int threads);
-
-// The same, and for set voxels minus the distance to the nearest voxel that is not set, infinite if all are.
-std::vector<float> signedDistance(std::span<const std::uint8_t> set, const glm::ivec3& size,
-                                  const glm::dvec3& spacing, int threads);
+// The index (x + size.x (y + size.y z)) of a set voxel whose centre is nearest to voxel i's; kNoFeature if
+// none is set. Plain loops. Throws std::invalid_argument as above, and for volumes of 2^32 - 1 voxels and
+// more.
+std::vector<std::uint32_t> nearestSet(std::span<const std::uint8_t> set, const glm::ivec3& size, int threads);
 
 // Occupancy dilated by one voxel in the 26-neighbourhood, clipped to the volume.
 std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads);
@@ -58,11 +47,6 @@ std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads);
 // nearest solid closed cube, in voxels, an integer; 0 for solid voxels too; kNoFeature when nothing is solid.
 // Equals squaredDistance of dilate26.
 std::vector<std::uint32_t> squaredClearance(const Occupancy& occupancy, int threads);
-
-// floor(scale * sqrt(squared)), exact: clearance in 1/scale voxel; cells hold it with scale = 1 (brick.h).
-// Throws std::invalid_argument above kMaxClearanceScale, where the result may no longer fit.
-inline constexpr std::uint32_t kMaxClearanceScale = 65535;
-std::uint32_t quantizedClearance(std::uint32_t squared, std::uint32_t scale);
 
 // A surface voxel with its attribute. Lists are sorted by index (x + size.x (y + size.y z)), each at most
 // once.
