@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 
 #include "kelp/common/dense_index.h"
@@ -123,7 +124,7 @@ std::vector<std::uint8_t> brickClearances(const SolidBits& bits, int threads) {
             std::uint8_t* const out = &clearances[denseIndex(grid, 0, y, z)];
             for (int x = 0; x < grid.x; ++x)
               out[x] = static_cast<std::uint8_t>(
-                  std::min(quantizedClearance(static_cast<std::uint32_t>(line[x]), 1), kCellMaxClearance));
+                  std::min<double>(std::sqrt(static_cast<double>(line[x])), kCellMaxClearance));
           }
         }
       });
