@@ -110,6 +110,8 @@ TEST(ImportHostile, MessagesSayWhereAndWhatToDo) {
   EXPECT_TRUE(contains(array, "meshes[1].primitives: is not an array; ")) << array;
   const std::string number = refusal(scratch.write("number.obj", "v 0 0 0\nv 1 0 3.1+e2\n"), Exit::kInvalid);
   EXPECT_TRUE(contains(number, "line 2: '3.1+e2' is not a number; repair the file there")) << number;
+  const std::string wide = refusal(scratch.write("wide.obj", {"\xfe\xff\0v", 4}), Exit::kUnsupported);
+  EXPECT_TRUE(contains(wide, "is UTF-16 text")) << wide;
   const std::string vertex = refusal(scratch.write("vertex.obj", "v 0 0 0\nf 1 2 3\n"), Exit::kInvalid);
   EXPECT_TRUE(contains(vertex, "line 2: the face names vertex 2, but there are 1; ")) << vertex;
   for (const char* name : {"folder", "folder.obj", "folder.glb", "folder.vdb"}) {

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 // kelp's readers of OBJ, PLY, STL and OFF against OpenMesh, which reads the same files by itself: triangle by
-// triangle, to the last bit. OpenMesh is right on files of good behaviour;
-// tools/import/mesh/README.md has those where it is not.
+// triangle, to the last bit.
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <ostream>
 #include <set>
 
@@ -275,70 +273,6 @@ TEST(OpenMeshFiles, InEveryEncodingReadTheSame) {
     ASSERT_TRUE(Io::write_mesh(lump.mesh, path.string(), way.options)) << way.name;
     compare(path, way.expected);
   }
-}
-
-// What OpenMesh writes of a real file.
-TEST(OpenMeshFiles, OfARealModelReadTheSame) {
-  KELP_ASSET(spot, "mesh/common3d/spot.obj");
-  const Scratch scratch;
-  Peer peer;
-  ASSERT_NO_FATAL_FAILURE(readPeer(spot, peer));
-  for (const char* name : {"spot.stl", "spot.off", "spot.ply"}) {
-    const std::filesystem::path path = scratch.folder() / name;
-    ASSERT_TRUE(Io::write_mesh(peer.mesh, path.string())) << name;
-    compare(path);
-    EXPECT_EQ(importFile(path, {}).parts[0].soup.triangles.size(), 5856u);
-  }
-}
-
-void expectError(const std::filesystem::path& path, const std::string& says) {
-  try {
-    importFile(path, {});
-    ADD_FAILURE() << "read";
-  } catch (const ToolError& error) {
-    EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
-  }
-}
-
-// Why kelp has readers of its own, in real files. OpenMesh says of each that it was read.
-TEST(OpenMeshLoses, WhatItDoesNotUnderstand) {
-  KELP_ASSET(numbers, "mesh/assimp/OBJ/number_formats.obj");
-  Peer peer;
-  ASSERT_NO_FATAL_FAILURE(readPeer(numbers, peer));
-  EXPECT_EQ(peer.mesh.point(PeerMesh::VertexHandle(7)), PeerMesh::Point(100, 20, 3.1f));  // of 3.1+e2
-  expectError(numbers, "line 11: '3.1+e2' is not a number");
-  KELP_ASSET(utf16, "mesh/assimp/OBJ/box_UTF16BE.obj");
-  Peer empty;
-  ASSERT_NO_FATAL_FAILURE(readPeer(utf16, empty));
-  EXPECT_EQ(empty.mesh.n_vertices(), 0u);
-  expectError(utf16, "is UTF-16 text");
-}
-
-// It splits what is not manifold while it reads: whoever repairs it later can not tell where.
-TEST(OpenMeshLoses, WhichTrianglesShareACorner) {
-  KELP_ASSET(path, "mesh/assimp/OBJ/WusonOBJ.obj");
-  Peer peer;
-  ASSERT_NO_FATAL_FAILURE(readPeer(path, peer));
-  const SourceModel model = importFile(path, {});
-  EXPECT_EQ(model.parts[0].soup.positions.size(), 2117u);
-  EXPECT_EQ(sumsOf(peer).positions.size(), 2117u);
-  EXPECT_EQ(peer.mesh.n_vertices(), 2153u);
-}
-
-// Its readers go through floats: far from the origin, a shape of millimetres is lost, also in a mesh of
-// doubles.
-TEST(OpenMeshLoses, WhatFloatsCanNotHold) {
-  const Scratch scratch;
-  const std::filesystem::path path = scratch.folder() / "far.obj";
-  std::ofstream(path)
-      << "v 4500000.000 100.0 0.0\nv 4500000.010 100.0 0.0\nv 4500000.000 100.010 0.0\nf 1 2 3\n";
-  OpenMesh::PolyMesh_ArrayKernelT<OpenMesh::DefaultTraitsDouble> mesh;
-  ASSERT_TRUE(Io::read_mesh(mesh, path.string()));
-  EXPECT_EQ(mesh.point(OpenMesh::VertexHandle(0))[0], mesh.point(OpenMesh::VertexHandle(1))[0]);
-  const TriangleSoup soup = importFile(path, {}).parts[0].soup;
-  ASSERT_EQ(soup.triangles.size(), 1u);
-  const auto& v = soup.triangles[0].vertex;
-  EXPECT_NEAR(glm::distance(soup.positions[v[0]], soup.positions[v[1]]), 0.01, 1e-5);
 }
 
 }  // namespace
