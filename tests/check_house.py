@@ -7,7 +7,7 @@
   of tests may be.
 - No product source has more than 400 lines, and no function more than 80, unless a comment just above says
   why: "Long: REASON".
-- Every room has a README.
+- Every room has a README, or the room around it has.
 - What tests/ports.sh web compiles calls no algorithm of std::ranges: emscripten's libc++ 13 has none.
 - clang-format, where it is installed, would change nothing.
 """
@@ -198,7 +198,8 @@ def main():
             lines = file.read().rstrip("\n").split("\n")
         for check in (check_arrows, check_widths, check_ported, check_lengths):
             faults.extend(check(path, lines))
-    faults.extend(f"{room}: has no README.md" for room in ROOMS if not os.path.isfile(room + "/README.md"))
+    faults.extend(f"{room}: has no README.md" for room in ROOMS
+                  if not any(os.path.isfile(f"{place}/README.md") for place in (room, os.path.dirname(room))))
     faults.extend(check_format([path for path in files if path.endswith(CODE)]))
     for fault in faults:
         print(fault)

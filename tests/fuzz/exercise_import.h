@@ -15,8 +15,8 @@
 std::uint64_t choiceOf(std::span<const std::uint8_t> bytes);
 
 // Resolution, threads and memory so small that an input takes milliseconds. The estimate counts 40 MB for the
-// program itself (memory_estimate.cpp): what is left is for some 100 x 100 x 100 voxels, or for a few pictures
-// and thousands of triangles.
+// program itself (memory_estimate.cpp): what is left is for some 100 x 100 x 100 voxels, or for a few
+// pictures and thousands of triangles.
 inline constexpr std::uint64_t kVolumeBytes = 45'000'000, kMeshBytes = 58'000'000;
 kelp::bake::Settings smallSettings(std::uint64_t bytes);
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Wires, blades and plates that are thinner than voxels, against what must hold of them by brute force.
-#include "kelp/voxelize/fill/thin.h"
+#include "kelp/voxelize/fill/fill.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "kelp/voxelize/fill/scan.h"
 #include "kelp/voxelize/surface/triangle_bvh.h"
 #include "shapes.h"
 #include "truth.h"
@@ -64,7 +63,7 @@ Filled fill(const TriangleSoup& soup, Fill how = Fill::kAuto, int threads = 2) {
   frame.voxel_size = 1;
   filled.mesh = analyse(soup, frame, how);
   filled.before.assign(40 * 40 * 40, kEmpty);
-  fillScanlines(filled.mesh, {}, filled.size, threads, filled.before);
+  fillScanlines(filled.mesh, filled.size, threads, filled.before);
   // Touched voxels by brute force, and some beside them.
   const test::MeshTruth truth(soup, frame);
   const auto touched = [&truth](const glm::dvec3& middle) {

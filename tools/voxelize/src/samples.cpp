@@ -9,7 +9,6 @@
 
 #include "kelp/common/dense_index.h"
 #include "kelp/common/parallel.h"
-#include "kelp/voxelize/fill/thin.h"
 #include "surface_blocks.h"
 
 namespace kelp::bake {
@@ -26,7 +25,7 @@ constexpr double kAside = 0.5;
 // A sheet in the open has as many empty voxels before it as behind, but for the noise of its steps; one that
 // lies on a body has 9 more on the open side. Beyond this mean difference it is known which side is seen.
 constexpr double kHiddenSide = 2.0;
-// How far into a voxel is looked from the middle of its neighbour.
+// Depth of the look into a voxel, from the middle of its neighbour.
 constexpr double kDeep = 1.5;
 // Surfaces of one body that look this way alike may stand for each other.
 constexpr double kAlike = 0.3;
@@ -38,7 +37,7 @@ const glm::dvec3 kShown(0.113, 0.97, 0.187);
 // Past the edges of models that lie on the lattice.
 const glm::dvec3 kAskew(0.0137, -0.0071, 0.0113);
 
-// What a voxel says about the sheet that it belongs to.
+// The vote of a voxel on the side of the sheet that it belongs to.
 struct SheetVote {
   std::uint32_t component = kCap;  // kCap: the voxel is part of a body
   bool turned = false;             // against the file's winding, to agree with the rest of the sheet
@@ -67,10 +66,6 @@ class Sampler {
 
     Nearest nearest = nearestTo(centre, around, guess);
     guess = nearest.triangle;
-    if (look_.isCutOut(nearest)) {
-      const Nearest shown = look_.nearestShown(bvh_, centre);
-      if (shown.triangle != kCap) nearest = shown;
-    }
     if (voxels_[index] == kInside && mesh_.triangles[nearest.triangle].wall) {
       // Within a body a wall is not seen, however near.
       nearest = bvh_.nearest(centre, std::numeric_limits<double>::infinity(),
@@ -169,7 +164,7 @@ class Sampler {
     return slices;
   }
 
-  // Whether a ray from a voxel meets no other on its way out of the box.
+  // True if a ray from a voxel meets no other on its way out of the box.
   bool leadsOutside(const glm::dvec3& centre, const glm::dvec3& direction) const {
     for (double at = 2.0;; at += 1.0) {  // beyond the voxel's own neighbours
       const glm::ivec3 v(glm::floor(centre + at * direction));
@@ -178,7 +173,7 @@ class Sampler {
     }
   }
 
-  // Whether some way within 60 degrees of a surface's normal leads out of the box.
+  // True if some way within 60 degrees of a surface's normal leads out of the box.
   bool isSeenFrom(const glm::dvec3& centre, const glm::dvec3& normal) const {
     if (leadsOutside(centre, normal)) return true;
     for (int cell = 0; cell < 27; ++cell) {
@@ -190,7 +185,7 @@ class Sampler {
     return false;
   }
 
-  // What is seen of a voxel through its faces.
+  // The surfaces that are seen of a voxel through its faces.
   struct Side {
     std::uint32_t triangle;  // on the way to the voxel's middle, near it
     glm::dvec3 normal;       // towards who looks
@@ -229,7 +224,7 @@ class Sampler {
     return nearest;
   }
 
-  // Whether the nearest triangle is visible.
+  // True if the nearest triangle is visible.
   bool isSeen(const Sides& sides, const Nearest& nearest, const glm::dvec3& normal) const {
     const SolidTriangle& triangle = mesh_.triangles[nearest.triangle];
     return std::any_of(sides.side, sides.side + sides.count, [&](const Side& side) {
@@ -255,9 +250,9 @@ class Sampler {
     return far;
   }
 
-  // Whether a plate is seen from its far side alone, or, if from both or from neither, that is its upper
-  // side; of what stands upright, the side towards kShown. Which side is nearer changes from voxel to voxel,
-  // and would make stripes.
+  // True if a plate is seen from its far side alone, or, if from both or from neither, that is its upper
+  // side; of an upright plate, the side towards kShown. The nearer side changes from voxel to voxel, and
+  // would make stripes.
   bool showsFar(const glm::dvec3& centre, const glm::dvec3& normal, const glm::dvec3& far) const {
     const bool near_seen = isSeenFrom(centre, normal), far_seen = isSeenFrom(centre, far);
     if (near_seen != far_seen) return far_seen;

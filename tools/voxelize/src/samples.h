@@ -5,7 +5,7 @@
 #include "kelp/common/parallel.h"
 #include "kelp/common/progress.h"
 #include "kelp/import/core/source_model.h"
-#include "kelp/voxelize/fill/scan.h"
+#include "kelp/voxelize/fill/fill.h"
 #include "kelp/voxelize/surface/look.h"
 
 namespace kelp::bake {

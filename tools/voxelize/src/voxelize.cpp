@@ -16,11 +16,7 @@
 #include "kelp/import/core/frame.h"
 #include "kelp/import/core/memory_estimate.h"
 #include "kelp/import/core/source_model.h"
-#include "kelp/voxelize/fill/cutout.h"
-#include "kelp/voxelize/fill/leaks.h"
-#include "kelp/voxelize/fill/match_volumes.h"
-#include "kelp/voxelize/fill/scan.h"
-#include "kelp/voxelize/fill/thin.h"
+#include "kelp/voxelize/fill/fill.h"
 #include "kelp/voxelize/surface/look.h"
 #include "kelp/voxelize/surface/touched_voxels.h"
 #include "kelp/voxelize/surface/triangle_bvh.h"
@@ -30,8 +26,27 @@
 namespace kelp::bake {
 namespace {
 
-// What made a voxel solid is forgotten: 1 for all of them. Answers how many were kKept. Few
-// groups of eight hold one.
+// Empties a voxel that is solid only because of sheets (kKept) if every sheet that passes through it is cut
+// out there (SurfaceLook::isCutOut).
+void cutOutVoxels(const SurfaceLook& look, const TriangleBvh& bvh, const glm::ivec3& size, int threads,
+                  std::vector<std::uint8_t>& voxels) {
+  const std::size_t row = static_cast<std::size_t>(size.x), rows = static_cast<std::size_t>(size.y);
+  parallelRanges(
+      rows * static_cast<std::size_t>(size.z), 64, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t line = begin; line < end; ++line) {
+          for (std::size_t x = 0; x < row; ++x) {
+            std::uint8_t& voxel = voxels[line * row + x];
+            if (voxel != kKept) continue;
+            const glm::dvec3 centre = glm::dvec3(glm::u64vec3(x, line % rows, line / rows)) + 0.5;
+            // The nearest sheet first: most voxels have one, and need no search among several.
+            if (look.isCutOut(bvh.nearest(centre)) && look.nearestShown(bvh, centre).triangle == kCap)
+              voxel = kEmpty;
+          }
+        }
+      });
+}
+
+// Sets all solid voxels to 1. Returns how many were kKept. Few groups of eight hold one.
 std::uint64_t settle(std::vector<std::uint8_t>& voxels, int threads) {
   static_assert(kEmpty == 0 && kInside == 1 && kKept == 2);
   constexpr std::uint64_t kOnes = 0x0101010101010101u;
@@ -71,8 +86,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   const Topology mesh = analyse(part.soup, frame, fill, threads);
   report(0.15);
   std::vector<std::uint8_t> voxels(denseCount(frame.size), kEmpty);
-  const std::vector<Scanned> scanned =
-      fillScanlines(mesh, findDoubts(mesh, frame.size, threads), frame.size, threads, voxels);
+  const std::vector<Scanned> scanned = fillScanlines(mesh, frame.size, threads, voxels);
   report(0.3);
   const TriangleBvh bvh(mesh, threads);
   const SurfaceLook look(model, part.soup, mesh);
@@ -88,7 +102,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   if (look.cutsOut()) cutOutVoxels(look, bvh, frame.size, threads, voxels);
   report(0.5);
 
-  // What made a voxel solid still tells where its look comes from: one dense array for both.
+  // sampleSurface needs to know what made a voxel solid: one dense array for both.
   fields::Occupancy occupancy{frame.size, std::move(voxels)};
   VoxelizeResult result;
   {

@@ -7,8 +7,6 @@
 #include <cstddef>
 #include <iterator>
 
-#include "kelp/voxelize/fill/thin.h"
-
 namespace kelp::bake {
 namespace {
 
@@ -36,7 +34,7 @@ struct Beside {
   }
 };
 
-// Whether the empty voxels across the faces of a voxel with these neighbours are connected around it.
+// True if the empty voxels across the faces of a voxel with these neighbours are connected around it.
 bool emptyHangTogether(std::uint32_t solid) {
   static const Beside beside;
   std::uint32_t faces = 0;
@@ -54,7 +52,7 @@ bool emptyHangTogether(std::uint32_t solid) {
   return (faces & ~reached) == 0;
 }
 
-// Whether a voxel with these neighbours, solid or empty as `filled` says, leaves two solid voxels that share
+// True if a voxel with these neighbours, solid or empty as `filled` says, leaves two solid voxels that share
 // nothing but an edge of it: rays slip through there.
 bool leaks(std::uint32_t solid, bool filled) {
   for (int first = 0; first < 6; ++first) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which voxels at the surface of bodies may go or come without harm to their shape.
+// Tells which voxels at the surface of bodies may go or come without harm to their shape.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include "kelp/common/dense_index.h"
 #include "kelp/common/parallel.h"
 #include "kelp/common/progress.h"
-#include "kelp/voxelize/fill/scan.h"
+#include "kelp/voxelize/fill/fill.h"
 #include "kelp/voxelize/surface/triangle_bvh.h"
 
 namespace kelp::bake {
@@ -21,7 +21,7 @@ class ChangeRules {
               const glm::ivec3& size, const std::vector<std::uint8_t>& voxels)
       : mesh_(mesh), bvh_(bvh), touched_(touched), size_(size), voxels_(voxels) {}
 
-  // What is known of a touched voxel: the nearest body, if a solid one is nearest.
+  // The surroundings of a touched voxel: the nearest body, if a solid one is nearest.
   struct Near {
     std::uint32_t component = kCap;  // kCap: none
     float height = 0;                // of the voxel's centre above the surface, voxels; inside: below 0
@@ -43,11 +43,11 @@ class ChangeRules {
   // would be left as a ridge.
   void addEdges(std::vector<std::size_t>& side) const;
 
-  // Whether a solid voxel is the rim of a plate or the side of a blade: two opposite neighbours are empty,
+  // True if a solid voxel is the rim of a plate or the side of a blade: two opposite neighbours are empty,
   // other than the one below and its opposite.
   bool isRim(std::size_t i, int below) const;
 
-  // Whether a touched voxel may change from solid to empty or back: its body goes on below it, and the change
+  // True if a touched voxel may change from solid to empty or back: its body goes on below it, and the change
   // connects, parts, opens and closes nothing.
   bool mayChange(std::size_t i, int below) const;
 
@@ -67,7 +67,7 @@ class ChangeRules {
   // Null if the voxel is not touched.
   const Near* nearAt(const glm::ivec3& v) const;
   bool isTouched(const glm::ivec3& v) const;
-  // Whether a solid voxel belongs to that body, and not to another that lies against it. Voxels deep inside
+  // True if a solid voxel belongs to that body, and not to another that lies against it. Voxels deep inside
   // belong to the body around them.
   bool isOwn(const glm::ivec3& v, std::uint32_t component) const;
   int solidFaces(const glm::ivec3& v) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "kelp/voxelize/fill/leaks.h"
+#include "kelp/voxelize/fill/fill.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "kelp/voxelize/fill/match_volumes.h"
+#include "kelp/voxelize/fill/fill.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +10,8 @@
 namespace kelp::bake {
 namespace {
 
-// What follows was set with tests/voxelize: slender_test (rods of 0.6 to 3 voxels' radius in five directions,
-// boxes, plates and blades of a voxel) and truth_test (real meshes at 256 voxels).
-// tools/voxelize/fill/README.md has the volumes that these tests measured.
+// These numbers were set with tests/voxelize: slender_test (rods of 0.6 to 3 voxels' radius in five
+// directions, boxes, plates and blades of a voxel) and truth_test (real meshes at 256 voxels).
 
 // The voxels of all bodies together may differ by this share from their volume. Bodies whose rounding evens
 // out keep within it without any change: a sphere of 128 voxels does.
@@ -28,7 +27,7 @@ constexpr std::size_t kFlat = 32;
 // side would move by a whole one.
 constexpr float kReach = 0.49f;
 
-// How many voxels the bodies have too many: below 0, too few. Only bodies whose volume is what is seen count.
+// The number of voxels that the bodies have too many; below 0, too few. Bodies within others do not count.
 class Surplus {
  public:
   // kKept voxels are not counted yet: which body they belong to is found later (addKept).
@@ -71,7 +70,7 @@ class Surplus {
   double all() const { return all_; }
   // `more`: voxels that may change it yet.
   bool isSettled(double more = 0) const { return std::abs(all_) + more <= kSlack * volume_; }
-  // Whether a change by so many voxels brings a body, and all together, nearer to its volume.
+  // True if a change by so many voxels brings a body, and all together, nearer to its volume.
   bool wants(std::uint32_t component, double voxels) const {
     const double body = bodies_[component].surplus;
     return std::abs(body + voxels) <= std::abs(body) && std::abs(all_ + voxels) <= std::abs(all_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "kelp/voxelize/fill/scan.h"
+#include "kelp/voxelize/fill/fill.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,26 +12,24 @@ namespace kelp::bake {
 namespace {
 
 constexpr std::int64_t kUnit = std::int64_t{1} << kLatticeBits;
-constexpr int kDoubt = 0;
+// Crossings of triangles with scanlines that all threads together hold at a time; each thread also holds
+// those of one column.
+constexpr std::size_t kMostCrossings = std::size_t{1} << 22;
 
 struct Crossing {
   std::uint32_t column = 0;
-  std::uint32_t component = 0;  // of a doubt: its number
-  double depth = 0;             // voxels along the scanline
-  int sign = 0;  // +1 enters the component, -1 leaves it; kDoubt: no crossing, but a voxel in doubt
+  std::uint32_t component = 0;
+  double depth = 0;  // voxels along the scanline
+  int sign = 0;      // +1 enters the component, -1 leaves it
   bool cap = false;
 
   bool operator<(const Crossing& other) const {
     if (column != other.column) return column < other.column;
     if (depth != other.depth) return depth < other.depth;
-    // begins at this centre: inside; ends there: outside
-    if ((sign == kDoubt) != (other.sign == kDoubt)) return other.sign == kDoubt;
     if (component != other.component) return component < other.component;
     return sign < other.sign;
   }
 };
-
-static_assert(2 * sizeof(Crossing) <= kCrossingBytes);
 
 // Of a component, along a scanline.
 struct Winding {
@@ -57,10 +55,9 @@ bool ownsEdge(std::int64_t du, std::int64_t dv) { return dv < 0 || (dv == 0 && d
 class Scanner {
  public:
   // `most`: crossings that are held at a time, but for those of a single column.
-  Scanner(const Topology& mesh, std::span<const Doubt> doubts, const glm::ivec3& size, int axis,
-          std::size_t most, std::vector<std::uint8_t>& voxels, std::vector<Scanned>& scanned)
+  Scanner(const Topology& mesh, const glm::ivec3& size, int axis, std::size_t most,
+          std::vector<std::uint8_t>& voxels, std::vector<Scanned>& scanned)
       : mesh_(mesh),
-        doubts_(doubts),
         size_(size),
         axis_(axis),
         u_((axis + 1) % 3),
@@ -89,7 +86,8 @@ class Scanner {
     int u0, u1, v0, v1;
   };
 
-  // Where many triangles lie over each other, in halves of halves: no column touches another's voxels.
+  // Many triangles that lie over each other are scanned in halves of halves: no column touches another's
+  // voxels.
   void scan(const std::vector<std::uint32_t>& triangles, const Patch& patch) {
     crossings_.clear();
     for (const std::uint32_t i : triangles) {
@@ -105,32 +103,12 @@ class Scanner {
         return scan(triangles, {patch.u0 + columns / 2, patch.u1, patch.v0, patch.v1});
       }
     }
-    if (axis_ == 0) addDoubts(patch);
     std::sort(crossings_.begin(), crossings_.end());
     for (std::size_t at = 0; at < crossings_.size();) {
       std::size_t next = at;
       while (next < crossings_.size() && crossings_[next].column == crossings_[at].column) ++next;
       fillColumn(at, next, patch.v0);
       at = next;
-    }
-  }
-
-  // Along x: the axis that fills.
-  void addDoubts(const Patch& patch) {
-    const std::uint64_t row = static_cast<std::uint64_t>(size_.x),
-                        slice = row * static_cast<std::uint64_t>(size_.y);
-    const std::uint64_t first = slice * static_cast<std::uint64_t>(patch.v0),
-                        last = slice * static_cast<std::uint64_t>(patch.v1);
-    const auto from =
-        std::lower_bound(doubts_.begin(), doubts_.end(), first,
-                         [](const Doubt& doubt, std::uint64_t voxel) { return doubt.voxel < voxel; });
-    for (auto at = from; at != doubts_.end() && at->voxel < last; ++at) {
-      const auto column = static_cast<std::uint32_t>((at->voxel - first) / row);
-      if (const int u = static_cast<int>(column % static_cast<std::uint32_t>(size_[u_]));
-          u < patch.u0 || u >= patch.u1)
-        continue;
-      crossings_.push_back({column, static_cast<std::uint32_t>(at - doubts_.begin()),
-                            static_cast<double>(at->voxel % row) + 0.5, kDoubt, false});
     }
   }
 
@@ -182,7 +160,7 @@ class Scanner {
     }
   }
 
-  // What is known of the inside along a column, up to some crossing. Bodies that touch are one stretch: no
+  // The inside along a column, up to some crossing. Bodies that touch are one stretch: no
   // voxel is kept for the seam between them.
   struct Inside {
     int bodies = 0;      // that the scanline is in
@@ -202,19 +180,15 @@ class Scanner {
         (static_cast<std::size_t>(begin) + column / static_cast<std::size_t>(size_[u_])) * stride_v_;
     forgetWindings();
     Inside inside;
-    bool doubtful = false;
     for (std::size_t i = at; i < next; ++i) {
       const Crossing& crossing = crossings_[i];
-      if (crossing.sign == kDoubt) {
-        doubtful = true;
-      } else if (!mesh_.components[crossing.component].solid) {
+      if (!mesh_.components[crossing.component].solid) {
         keep(line, crossing.depth);
       } else {
         cross(crossing, inside, line);
       }
     }
     if (inside.pending) fillStretch(line, inside.from, inside.to, inside.pending_drawn);
-    if (doubtful) settleDoubts(at, next, line);
   }
 
   // The scanline enters or leaves a solid component.
@@ -268,43 +242,6 @@ class Scanner {
     its.wound += winding.number * length;
   }
 
-  // Where caps are in doubt, what counts is the winding number of the triangles themselves.
-  void settleDoubts(std::size_t at, std::size_t next, std::uint8_t* line) {
-    const std::size_t begin = at;
-    forgetWindings();
-    while (at < next) {
-      if (crossings_[at].sign != kDoubt) {
-        if (mesh_.components[crossings_[at].component].solid)
-          windingOf(crossings_[at].component).number += crossings_[at].sign;
-        ++at;
-        continue;
-      }
-      const std::uint64_t voxel = doubts_[crossings_[at].component].voxel;
-      const std::size_t first = at;
-      bool inside = false;
-      for (; at < next && crossings_[at].sign == kDoubt && doubts_[crossings_[at].component].voxel == voxel;
-           ++at) {
-        const Doubt& doubt = doubts_[crossings_[at].component];
-        inside = inside || std::abs(windingOf(doubt.component).number - doubt.caps) >= 0.5;
-      }
-      const auto doubted = [&](std::uint32_t component) {
-        return std::any_of(
-            crossings_.begin() + static_cast<std::ptrdiff_t>(first),
-            crossings_.begin() + static_cast<std::ptrdiff_t>(at),
-            [&](const Crossing& crossing) { return doubts_[crossing.component].component == component; });
-      };
-      for (const Winding& winding : windings_)
-        inside = inside || (winding.number != 0 && !doubted(winding.component));
-      std::uint8_t& its = line[voxel % static_cast<std::uint64_t>(size_.x)];
-      if (inside || its == kInside) its = inside ? kInside : kEmpty;
-    }
-    // A sheet in what is now empty.
-    for (std::size_t i = begin; i < next; ++i) {
-      if (crossings_[i].sign != kDoubt && !mesh_.components[crossings_[i].component].solid)
-        keep(line, crossings_[i].depth);
-    }
-  }
-
   void fillStretch(std::uint8_t* line, double from, double to, bool drawn) {
     const int first = firstCentre(from, size_[axis_]);
     const int end = firstCentre(to, size_[axis_]);
@@ -337,7 +274,6 @@ class Scanner {
   }
 
   const Topology& mesh_;
-  std::span<const Doubt> doubts_;
   glm::ivec3 size_;
   int axis_, u_, v_;
   std::size_t most_;
@@ -351,8 +287,8 @@ class Scanner {
 
 }  // namespace
 
-std::vector<Scanned> fillScanlines(const Topology& mesh, std::span<const Doubt> doubts,
-                                   const glm::ivec3& size, int threads, std::vector<std::uint8_t>& voxels) {
+std::vector<Scanned> fillScanlines(const Topology& mesh, const glm::ivec3& size, int threads,
+                                   std::vector<std::uint8_t>& voxels) {
   std::vector<Scanned> scanned(mesh.components.size());
   std::mutex scanned_mutex;
   const std::size_t most = kMostCrossings / static_cast<std::size_t>(std::max(threadCount(threads), 1));
@@ -375,7 +311,7 @@ std::vector<Scanned> fillScanlines(const Topology& mesh, std::span<const Doubt> 
     }
     parallelRanges(slabs, 1, threads, [&](std::size_t begin, std::size_t end) {
       std::vector<Scanned> here(mesh.components.size());
-      Scanner scanner(mesh, doubts, size, axis, most, voxels, here);
+      Scanner scanner(mesh, size, axis, most, voxels, here);
       for (std::size_t slab = begin; slab < end; ++slab) {
         const int row = static_cast<int>(slab) * rows;
         scanner.scan(bins[slab], row, std::min(size[v], row + rows));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "kelp/voxelize/fill/thin.h"
+#include "kelp/voxelize/fill/fill.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,7 +55,7 @@ struct Surroundings {
   glm::ivec3 solid[125], passed[26];
   int solids = 0, passes = 0;
 
-  // Whether a passed voxel touches something solid that is not connected with what `voxel` touches.
+  // True if a passed voxel touches a solid one that is not connected with the solid ones around `voxel`.
   bool showTwoEnds(const glm::ivec3& voxel) {
     // The front of the list is what is connected with what `voxel` touches.
     int reached = 0;
@@ -143,7 +143,7 @@ class ThinParts {
   }
 
  private:
-  // By touched voxel: whether a thin component touches it.
+  // By touched voxel: 1 if a thin component touches it.
   std::vector<std::uint8_t> touchedByThin() const {
     std::vector<std::uint8_t> by_thin(touched_.size(), 0);
     if (!has_thin_) return by_thin;
@@ -193,7 +193,7 @@ class ThinParts {
     return passing(voxel, [](std::uint32_t) { return true; });
   }
 
-  // Whether a component passes through a voxel or fills it. Only such voxels are ends of its gaps: two plates
+  // True if a component passes through a voxel or fills it. Only such voxels are ends of its gaps: two plates
   // a voxel apart are not a plate with a gap.
   bool belongs(const glm::ivec3& voxel, std::uint8_t value, std::uint32_t component) const {
     if (passing(voxel, [&](std::uint32_t its) { return its == component; }) != kCap) return true;
@@ -222,7 +222,7 @@ class ThinParts {
     return mask;
   }
 
-  // Whether a voxel lies between two ends of one component that passes through it; `component` is the nearest
+  // True if a voxel lies between two ends of one component that passes through it; `component` is the nearest
   // of these, and each of the others may have its gap here too.
   bool joinsTwoEnds(const glm::ivec3& voxel, std::uint32_t component) const {
     const bool lost = touchesLost(voxel);
@@ -236,7 +236,7 @@ class ThinParts {
     return false;
   }
 
-  // Whether a voxel that a thin component passes through is one of two between the ends of a gap. `own`: only
+  // True if a voxel that a thin component passes through is one of two between the ends of a gap. `own`: only
   // voxels that belong to the component are ends.
   bool isInGapOfTwo(const glm::ivec3& voxel, std::uint32_t component, bool own) const {
     Surroundings around;

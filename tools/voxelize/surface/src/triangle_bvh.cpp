@@ -188,7 +188,7 @@ class TriangleBvh::Builder {
     return count;
   }
 
-  // How many nodes divide() makes of so many triangles, and of the parts.
+  // The number of nodes that divide() makes of so many triangles, and of the parts.
   static std::uint32_t nodesOf(std::uint32_t triangles) {
     std::uint32_t nodes = 1;
     for (const std::uint32_t half : {triangles / 2, triangles - triangles / 2}) {

@@ -11,11 +11,11 @@
 
 namespace kelp::bake {
 
-// What `make` makes, sorted by its vertex, then by `less`. make(take) calls take(vertex, item) for each item;
-// vertices are below `vertices`. Each thread has a share of the vertices, and looks at all items twice for
-// it: so more than a few threads gain nothing. In linear time where each vertex has few items: a comparing
-// sort of all edges of a scan takes several times as long. Fewer than 2^32 items. threads: 0 is one for each
-// core.
+// Returns the items of `make`, sorted by their vertex, then by `less`. make(take) calls take(vertex, item)
+// for each item; vertices are below `vertices`. Each thread has a share of the vertices, and looks at all
+// items twice for it: so more than a few threads gain nothing. In linear time where each vertex has few
+// items: a comparing sort of all edges of a scan takes several times as long. Fewer than 2^32 items. threads:
+// 0 is one for each core.
 template <class Item, class Make, class Less>
 std::vector<Item> sortedByVertex(std::size_t vertices, int threads, const Make& make, const Less& less) {
   constexpr std::size_t kFew = 1 << 16;  // vertices of a share, at least

@@ -63,7 +63,6 @@ class FaultyMeshMaker {
     std::vector<bool> faulty(mesh_.components.size(), false);
     forEachEdge(edges_, [&](std::size_t begin, std::size_t end) {
       const Edge& edge = edges_[begin];
-      if (edge.low == edge.high) return;  // of a triangle that is a line or a point
       const bool alike = end - begin == 2 && edge.forward == edges_[begin + 1].forward;
       winds_amiss_ = winds_amiss_ || alike;
       if (end - begin != 2 || alike) faulty[mesh_.triangles[edge.triangle].component] = true;

@@ -66,7 +66,6 @@ bool enclosesNothing(const Component& c) {
 }
 
 std::string whyOf(const Component& c, Fill fill) {
-  if (c.area == 0) return "thinner than the lattice: kept as lines and points";
   if (fill == Fill::kSurface) return "surface as asked";
   if (c.wall) return fill == Fill::kSolid ? "solid as asked" : "a wall modelled from both sides";
   if (enclosesNothing(c)) return "closed, but encloses nothing: its faces are there from both sides";
@@ -130,16 +129,12 @@ FillCounts countFill(const Topology& mesh, std::uint64_t triangles) {
 }
 
 std::string summariseFill(const Topology& mesh, Fill fill) {
-  std::size_t closed = 0, capped = 0, sheets = 0, walls = 0, lines = 0, hollow = 0;
+  std::size_t closed = 0, capped = 0, sheets = 0, walls = 0, hollow = 0;
   std::uint64_t holes = 0;
   double area = 0, cap_area = 0, least = 1e30, most = 0;
   for (const Component& c : mesh.components) {
     if (c.wall) {
       ++walls;
-      continue;
-    }
-    if (c.area == 0) {
-      ++lines;
       continue;
     }
     closed += c.closed;
@@ -155,13 +150,10 @@ std::string summariseFill(const Topology& mesh, Fill fill) {
       cap_area += c.cap_area;
     }
   }
-  const std::size_t total = mesh.components.size() - walls - lines;
-  const std::string thinner =
-      lines > 0 ? fmt::format(", {} thinner than the lattice kept as lines and points", lines)
-                : std::string();
+  const std::size_t total = mesh.components.size() - walls;
   if (fill == Fill::kSurface)
-    return fmt::format("surface: as asked ({} of {} component{} closed{})", closed, total,
-                       total == 1 ? "" : "s", thinner);
+    return fmt::format("surface: as asked ({} of {} component{} closed)", closed, total,
+                       total == 1 ? "" : "s");
   std::string text =
       fmt::format("{}: {}{} of {} component{} closed", sheets == total ? "surface" : "solid",
                   fill == Fill::kSolid ? "as asked, " : "", closed, total, total == 1 ? "" : "s");
@@ -174,7 +166,7 @@ std::string summariseFill(const Topology& mesh, Fill fill) {
     text += fmt::format(", {} open sheet{} kept as surface ({})", sheets, sheets == 1 ? "" : "s",
                         holesOf(least, most));
   if (walls > 0) text += fmt::format(", {} wall{} modelled from both sides", walls, walls == 1 ? "" : "s");
-  return text + thinner;
+  return text;
 }
 
 std::vector<ComponentReport> describeComponents(const Topology& mesh, Fill fill) {

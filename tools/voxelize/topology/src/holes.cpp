@@ -65,7 +65,7 @@ class HoleFinder {
     }
   }
 
-  // What has been walked from `first` on is a hole.
+  // The path from `first` on is a hole.
   void cutOff(std::uint32_t first) {
     Hole& hole = holes_.emplace_back();
     hole.component = componentOf(path_[first]);

@@ -11,7 +11,6 @@
 #include "holes.h"
 #include "kelp/common/point_index.h"
 #include "kelp/voxelize/topology/fill_report.h"
-#include "lines.h"
 
 namespace kelp::bake {
 namespace {
@@ -39,14 +38,14 @@ void weld(const TriangleSoup& soup, const Frame& frame, Topology& mesh) {
   }
 }
 
-// Whether the corners ascend, up to a rotation.
+// True if the corners ascend, up to a rotation.
 bool runsUpward(const std::array<std::uint32_t, 3>& v) {
   return (v[0] < v[1]) + (v[1] < v[2]) + (v[2] < v[0]) == 2;
 }
 
 // A face modelled twice (once for each side, or by mistake) would make every edge look closed and the inside
 // vanish: the first one stays, marked as a wall if there were as many for one side as for the other.
-// Triangles that have collapsed to a line or a point go where others have that as a side or a corner.
+// Triangles that have collapsed to a line or a point go.
 void removeDuplicates(Topology& mesh, int threads) {
   using Key = std::array<std::uint32_t, 4>;  // the corners from low to high, the triangle
   const auto make = [&](const auto& take) {
@@ -71,7 +70,6 @@ void removeDuplicates(Topology& mesh, int threads) {
     mesh.triangles[keys[first][3]].wall = upward == 0;
     if (twice || a == b || b == c) drop[i] = true;
   }
-  keepLoneLines(mesh, drop);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (!drop[i]) mesh.triangles[kept++] = mesh.triangles[i];
@@ -176,8 +174,7 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill, int th
     mesh.closed = mesh.closed && (c.closed || c.wall);
     c.solid = fill == Fill::kSolid ||
               (fill == Fill::kAuto && !c.wall && (c.closed || c.cap_area <= kMaxHoleShare * c.area));
-    // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either. A
-    // line has none of either.
+    // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either.
     c.thin = !c.solid || 2.0 * std::abs(c.volume) <= 0.75 * (c.area + c.cap_area);
   }
   for (const SolidTriangle& t : fans) {

@@ -28,9 +28,9 @@ class SurfaceLook {
     return soup_.triangles[mesh_.triangles[nearest.triangle].source].material;
   }
 
-  // Whether any sheet has cut-outs.
+  // True if any sheet has cut-outs.
   bool cutsOut() const { return cuts_out_; }
-  // Whether a sheet's alpha, averaged over a voxel, is below its material's cutoff there. False on solid
+  // True if a sheet's alpha, averaged over a voxel, is below its material's cutoff there. False on solid
   // components and caps.
   bool isCutOut(const Nearest& nearest) const;
   // The nearest point in the voxel around `centre` of a triangle that is not cut out there. Nearest::triangle

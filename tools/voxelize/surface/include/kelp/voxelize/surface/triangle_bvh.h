@@ -108,7 +108,7 @@ class TriangleBvh {
   template <class Accept>
   Nearest first(const Node* nodes, int count, const glm::dvec3& p, int axis, int sign, double length,
                 const Accept& accept) const;
-  // Where a line through p along an axis meets a triangle: false if it does not.
+  // Finds where a line through p along an axis meets a triangle: false if it does not.
   static bool meets(const Corners& triangle, const glm::dvec3& p, int axis, Nearest& hit);
 
   std::vector<std::uint32_t> order_;

@@ -45,7 +45,7 @@ struct Diagnosis {
 struct FillCounts {
   // components are connected by edges; walls are faces between bodies, modelled from both sides
   std::uint64_t components = 0, closed = 0, capped = 0, sheets = 0, walls = 0;
-  // triangles left out: duplicates, or degenerate ones along sides of others
+  // triangles left out: duplicates, or degenerate ones
   std::uint64_t doubled = 0;
   std::uint64_t turned = 0;         // triangles with the wrong winding
   std::uint64_t cap_triangles = 0;  // triangles that close holes
