@@ -14,7 +14,6 @@
 #include "kelp/common/progress.h"
 #include "kelp/fields/fields.h"
 #include "kelp/import/core/frame.h"
-#include "kelp/import/core/memory_estimate.h"
 #include "kelp/import/core/source_model.h"
 #include "kelp/voxelize/fill/fill.h"
 #include "kelp/voxelize/surface/look.h"

@@ -160,8 +160,8 @@ class Scanner {
     }
   }
 
-  // The inside along a column, up to some crossing. Bodies that touch are one stretch: no
-  // voxel is kept for the seam between them.
+  // The inside along a column, up to some crossing. Bodies that touch are one stretch: no voxel is kept for
+  // the seam between them.
   struct Inside {
     int bodies = 0;      // that the scanline is in
     double start = 0;    // where it came in
