@@ -14,7 +14,7 @@
 // A hash of all bytes of an input, which chooses its options: every kind of input gets every option.
 std::uint64_t choiceOf(std::span<const std::uint8_t> bytes);
 
-// Resolution, threads and memory so small that an input takes milliseconds. The estimate counts 40 MB for the
+// Resolution, threads and memory so small that an input takes milliseconds. The estimate counts 32 MB for the
 // program itself (memory_estimate.cpp): what is left is for some 100 x 100 x 100 voxels, or for a few
 // pictures and thousands of triangles.
 inline constexpr std::uint64_t kVolumeBytes = 45'000'000, kMeshBytes = 58'000'000;

@@ -12,7 +12,6 @@
 namespace kelp::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kCell = 4;  // voxels
 
 glm::ivec3 cellOf(const glm::dvec3& p) { return glm::ivec3(glm::floor(p / kCell)); }
@@ -124,14 +123,14 @@ double MeshTruth::solidAngle(std::size_t triangle, const glm::dvec3& p) const {
 double MeshTruth::winding(const glm::dvec3& p) const {
   double sum = 0;
   for (std::size_t i = 0; i < corners_.size(); ++i) sum += solidAngle(i, p);
-  return sum / (4 * kPi);
+  return sum / (4 * std::numbers::pi);
 }
 
 double MeshTruth::windingOfPieces(const glm::dvec3& p) const {
   std::vector<double> sum(pieces_, 0);
   for (std::size_t i = 0; i < corners_.size(); ++i) sum[piece_[i]] += solidAngle(i, p);
   double most = 0;
-  for (const double s : sum) most = std::max(most, std::abs(s) / (4 * kPi));
+  for (const double s : sum) most = std::max(most, std::abs(s) / (4 * std::numbers::pi));
   return most;
 }
 

@@ -108,7 +108,7 @@ DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, i
 
 void countSkin(const SourceSkin& skin, PartSize& size) {
   // The most that real files have (README.md of tools/skin).
-  constexpr double kMoreSurface = 4, kMoreVoxels = 2;
+  constexpr double kMoreSurface = 2, kMoreVoxels = 2;
   size.source_bytes = skinBytes(size.voxels(), skin.joints.size()) + kMoreVoxels * size.voxels();
   size.surface_voxels = std::min(kMoreSurface * size.surface_voxels, kMoreVoxels * size.voxels());
 }

@@ -13,7 +13,7 @@
 namespace kelp::bake {
 
 std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes) {
-  constexpr double kProgram = 40e6, kTriangle = 36, kVertex = 46;
+  constexpr double kProgram = 32e6, kTriangle = 36, kVertex = 46;
   double kept = 0, work = 0;
   for (const PartSize& part : parts) {
     const double mesh =
@@ -21,7 +21,7 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
     const double values = part.fog_channels > 0 ? 2 * part.fog_channels : 1;  // bytes of a voxel
     kept += mesh + values * part.voxels() + 40 * part.surface_voxels;
     work =
-        std::max(work, 4 * mesh + values * part.voxels() / 2 + 40 * part.surface_voxels + part.source_bytes);
+        std::max(work, 3 * mesh + values * part.voxels() / 2 + 40 * part.surface_voxels + part.source_bytes);
   }
   // Reductions of images hold a third as many texels, each four times as large.
   return static_cast<std::uint64_t>(kProgram + kept + work + static_cast<double>(image_bytes) * 7 / 3);

@@ -25,7 +25,7 @@ struct PartSize {
   double voxels() const { return static_cast<double>(size.x) * size.y * size.z; }
 };
 
-// The estimated peak of a bake in bytes, between the peak and twice that: what all parts keep, what the
+// The estimated peak of a bake in bytes, within a factor of two of real ones: what all parts keep, what the
 // largest part needs while it is made, the images (`image_bytes` as they are decoded) with their reductions,
 // and the program. tests/bench/HISTORY.md has the peaks of real files.
 std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes);
