@@ -130,7 +130,7 @@ void addModelOptions(Adder& add, bake::Settings& settings, Options& options) {
              text(settings.scene));
   add.option(
       "--fill", "auto|solid|surface",
-      "what to fill; auto: closed components, small holes capped; solid: all; surface: none",
+      "what to fill; auto: closed components, small holes closed by fans; solid: all; surface: none",
       choice(
           settings.fill, "unknown; use auto, solid or surface",
           {{"auto", bake::Fill::kAuto}, {"solid", bake::Fill::kSolid}, {"surface", bake::Fill::kSurface}}));
