@@ -107,9 +107,10 @@ glm::vec3 decodeNormal(std::uint32_t bits24) {
   return {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
 }
 
-std::int64_t computeSliceBase(std::span<const std::uint8_t> codes, std::uint32_t first,
-                              std::span<std::uint32_t> slice_base) {
-  if (codes.size() % kBrickVoxels != 0 || slice_base.size() < codes.size() / EightCodes::kSlice) return -1;
+Result<std::uint32_t> computeSliceBase(std::span<const std::uint8_t> codes, std::uint32_t first,
+                                       std::span<std::uint32_t> slice_base) {
+  if (codes.size() % kBrickVoxels != 0 || slice_base.size() < codes.size() / EightCodes::kSlice)
+    return Error{ErrorCode::kMisuse, "codes of whole bricks and 8 slices a brick are needed"};
   std::uint64_t wrong = 0;
   std::uint32_t count = 0;
   for (std::size_t slice = 0; slice < codes.size() / EightCodes::kSlice; ++slice) {
@@ -122,7 +123,8 @@ std::int64_t computeSliceBase(std::span<const std::uint8_t> codes, std::uint32_t
     }
     count += static_cast<std::uint32_t>(rank);
   }
-  return wrong == 0 ? std::int64_t{count} : -1;
+  if (wrong != 0) return Error{ErrorCode::kCorrupt, "a brick holds a reserved code or a wrong rank"};
+  return count;
 }
 
 }  // namespace kelp

@@ -223,11 +223,11 @@ class BrickSums {
 
 }  // namespace
 
-bool growBoxes(std::span<std::uint32_t> cells, const glm::ivec3& grid, const Allocator& allocator) {
+Result<void> growBoxes(std::span<std::uint32_t> cells, const glm::ivec3& grid, const Allocator& allocator) {
   Buffer<std::uint32_t> memory(allocator);
   if (!memory.reset(std::uint64_t{static_cast<std::uint32_t>(grid.x) + 1} *
                     (static_cast<std::uint32_t>(grid.y) + 1) * (static_cast<std::uint32_t>(grid.z) + 1)))
-    return false;
+    return Error{ErrorCode::kOutOfMemory, "no memory for a grid"};
   const BrickSums sums(cells, grid, memory.span());
   std::size_t cell = 0;
   glm::ivec3 brick;
@@ -238,7 +238,7 @@ bool growBoxes(std::span<std::uint32_t> cells, const glm::ivec3& grid, const All
       }
     }
   }
-  return true;
+  return {};
 }
 
 }  // namespace kelp

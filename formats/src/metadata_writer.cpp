@@ -76,7 +76,7 @@ bool buildFogs(const RawPack& pack, Buffer<std::byte>& out) {
     levels += part.levels.size();
     colors += part.fog->ramp.size();
   }
-  if (fogs == 0) return out.reset(0);
+  if (fogs == 0) return bool{out.reset(0)};
   if (!out.reset(layout::kFogsHeader + fogs * layout::kFogRecord + levels * sizeof(float) +
                  colors * layout::kRampRecord))
     return false;

@@ -311,14 +311,17 @@ class Writer {
       for (std::size_t page = 0; page < chunk.pages.size() && taken; ++page)
         taken = send(chunk.pages[page].stored.span());
     }
-    if (!taken) return Error{ErrorCode::kIo, "the sink could not write", written_};
+    if (!taken) return refusal_;
     return {};
   }
 
   std::span<const DistancePlan> distances() const { return {distances_.get(), distance_count_}; }
 
   bool send(std::span<const std::byte> bytes) {
-    if (!sink_.write(sink_.user, bytes)) return false;
+    if (const Result<void> r = sink_.write(sink_.user, bytes); !r) {
+      refusal_ = {r.error().code, r.error().detail, written_};
+      return false;
+    }
     written_ += bytes.size();
     return true;
   }
@@ -343,6 +346,7 @@ class Writer {
   std::unique_ptr<PagePlan[]> plans_;
   std::unique_ptr<Packed[]> packed_;
   std::uint64_t written_ = 0;
+  Error refusal_;  // of the sink
 };
 
 }  // namespace

@@ -64,12 +64,12 @@ Result<void> checkRawLevel(const RawPart& part, std::size_t index, std::size_t p
     if (!isStoredCell(level.cells[static_cast<std::size_t>(walk.index())])) continue;
     const auto brick = codes.subspan(slot++ * kBrickVoxels, kBrickVoxels);
     std::array<std::uint32_t, 8> slice_base;
-    const std::int64_t surface = computeSliceBase(brick, 0, slice_base);
-    if (surface < 0) return misuse("a brick holds a reserved code or a wrong rank");
+    const Result<std::uint32_t> surface = computeSliceBase(brick, 0, slice_base);
+    if (!surface) return misuse(surface.error().detail);
     if (findBrickWithoutSurface(brick) >= 0) return misuse("a stored brick holds no surface voxel");
     if (hasSolidOutside(brick, walk.cell(), size))
       return misuse("a brick holds a solid voxel outside the level");
-    attributes += static_cast<std::uint64_t>(surface);
+    attributes += *surface;
   }
   if (level.attributes.size() != attributes)
     return misuse("a level does not have one attribute for each surface voxel");

@@ -204,8 +204,9 @@ class RigWriter {
   }
 
   Result<void> send(std::span<const std::byte> bytes) {
-    if (!bytes.empty() && !sink_.write(sink_.user, bytes))
-      return Error{ErrorCode::kIo, "the sink could not write", written_};
+    if (bytes.empty()) return {};
+    if (const Result<void> r = sink_.write(sink_.user, bytes); !r)
+      return Error{r.error().code, r.error().detail, written_};
     written_ += bytes.size();
     return {};
   }

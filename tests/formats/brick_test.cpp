@@ -210,30 +210,30 @@ TEST(SliceBase, CountsTheSurfaceVoxelsBeforeEachSlice) {
     }
   }
   std::vector<std::uint32_t> base(24);
-  EXPECT_EQ(computeSliceBase(codes, 1000, base), static_cast<std::int64_t>(total - 1000));
+  EXPECT_EQ(computeSliceBase(codes, 1000, base).value(), total - 1000);
   EXPECT_EQ(base, expected);
 }
 
 TEST(SliceBase, RefusesReservedCodesAndWrongRanks) {
   std::vector<std::uint8_t> codes(kBrickVoxels, 0);
   std::vector<std::uint32_t> base(8);
-  EXPECT_EQ(computeSliceBase(codes, 0, base), 0);
+  EXPECT_EQ(computeSliceBase(codes, 0, base).value(), 0u);
   for (int code = 129; code < 256; ++code) {
     codes[300] = static_cast<std::uint8_t>(code);
-    EXPECT_EQ(computeSliceBase(codes, 0, base), -1) << code;
+    EXPECT_FALSE(computeSliceBase(codes, 0, base)) << code;
   }
   codes[300] = kSurfaceCode + 1;
-  EXPECT_EQ(computeSliceBase(codes, 0, base), -1);
+  EXPECT_FALSE(computeSliceBase(codes, 0, base));
   codes[300] = kSurfaceCode;
-  EXPECT_EQ(computeSliceBase(codes, 0, base), 1);
+  EXPECT_EQ(computeSliceBase(codes, 0, base).value(), 1u);
   codes[301] = kSurfaceCode;  // the same rank twice
-  EXPECT_EQ(computeSliceBase(codes, 0, base), -1);
+  EXPECT_FALSE(computeSliceBase(codes, 0, base));
   std::fill(codes.begin(), codes.end(), std::uint8_t{0});
   // a full slice has all 64 ranks
   for (int i = 0; i < 64; ++i) codes[64 + i] = static_cast<std::uint8_t>(kSurfaceCode + i);
-  EXPECT_EQ(computeSliceBase(codes, 0, base), 64);
-  EXPECT_EQ(computeSliceBase(std::span(codes).first(511), 0, base), -1);
-  EXPECT_EQ(computeSliceBase(codes, 0, std::span(base).first(7)), -1);
+  EXPECT_EQ(computeSliceBase(codes, 0, base).value(), 64u);
+  EXPECT_FALSE(computeSliceBase(std::span(codes).first(511), 0, base));
+  EXPECT_FALSE(computeSliceBase(codes, 0, std::span(base).first(7)));
 }
 
 }  // namespace

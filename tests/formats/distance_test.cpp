@@ -201,7 +201,7 @@ TEST(Distance, TheWriterRefusesWhatReadersWould) {
   for (const auto& fault : kFaults) {
     RawPack pack = test::makeTinyDistancePack();
     fault.spoil(pack);
-    const Sink nowhere{[](void*, std::span<const std::byte>) { return true; }, nullptr};
+    const Sink nowhere{[](void*, std::span<const std::byte>) { return Result<void>(); }, nullptr};
     const Result<void> written = writePack(pack, nowhere);
     ASSERT_FALSE(written) << fault.name;
     EXPECT_EQ(written.error().code, ErrorCode::kMisuse) << fault.name;

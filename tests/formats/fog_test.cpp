@@ -180,9 +180,11 @@ TEST(Fog, TheWriterRefusesEveryMistakeBeforeItWritesAByte) {
     RawPack pack = test::makeTinyFogPack();
     mistake.make(pack);
     std::size_t calls = 0;
-    const Sink sink{
-        [](void* user, std::span<const std::byte>) { return ++*static_cast<std::size_t*>(user) > 0; },
-        &calls};
+    const Sink sink{[](void* user, std::span<const std::byte>) {
+                      ++*static_cast<std::size_t*>(user);
+                      return Result<void>();
+                    },
+                    &calls};
     const Result<void> written = writePack(pack, sink);
     if (written) {
       ADD_FAILURE() << "written";

@@ -18,11 +18,11 @@ struct CountingSink {
   Sink sink() {
     Sink result;
     result.user = this;
-    result.write = [](void* user, std::span<const std::byte> more) {
+    result.write = [](void* user, std::span<const std::byte> more) -> Result<void> {
       CountingSink& self = *static_cast<CountingSink*>(user);
-      if (self.calls++ == self.refuse_at) return false;
+      if (self.calls++ == self.refuse_at) return Error{ErrorCode::kIo, "full"};
       self.bytes += more.size();
-      return true;
+      return {};
     };
     return result;
   }

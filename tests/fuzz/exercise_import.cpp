@@ -97,12 +97,7 @@ void checkModel(const bake::SourceModel& model) {
 // Every baked pack is sound.
 void checkPack(const RawPack& pack) {
   std::vector<std::byte> bytes;
-  const Sink sink{[](void* user, std::span<const std::byte> more) {
-                    auto& all = *static_cast<std::vector<std::byte>*>(user);
-                    all.insert(all.end(), more.begin(), more.end());
-                    return true;
-                  },
-                  &bytes};
+  const Sink sink = Sink::into(bytes);
   if (const Result<void> written = writePack(pack, sink); !written)
     fail(std::string("the writer refuses what was baked: ") + written.error().detail);
   MemorySource memory(bytes);

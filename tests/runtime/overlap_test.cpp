@@ -392,12 +392,7 @@ TEST_F(ShapeQuery, LyingDistancesHangNothing) {
       }
     }
     std::vector<std::byte> lying;
-    const Sink sink{[](void* user, std::span<const std::byte> more) {
-                      auto& all = *static_cast<std::vector<std::byte>*>(user);
-                      all.insert(all.end(), more.begin(), more.end());
-                      return true;
-                    },
-                    &lying};
+    const Sink sink = Sink::into(lying);
     if (!writePack(pack, sink)) continue;
     MemorySource lying_source(lying);
     Options options;

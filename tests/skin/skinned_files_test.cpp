@@ -32,7 +32,7 @@ std::size_t bytesOf(const RawPack& pack) {
   std::size_t bytes = 0;
   const Sink sink{[](void* user, std::span<const std::byte> piece) {
                     *static_cast<std::size_t*>(user) += piece.size();
-                    return true;
+                    return Result<void>();
                   },
                   &bytes};
   EXPECT_TRUE(writePack(pack, sink));

@@ -20,12 +20,6 @@ struct Baked {
 
 constexpr std::uint64_t kMemory = 384ull << 20;  // as estimated before it is taken
 
-bool receive(void* user, std::span<const std::byte> bytes) {
-  auto& out = *static_cast<std::vector<std::byte>*>(user);
-  out.insert(out.end(), bytes.begin(), bytes.end());
-  return true;
-}
-
 void bakeInto(const char* path, Baked& out) {
   kelp::bake::Settings settings;
   settings.rig_preset = "sway";
@@ -33,7 +27,7 @@ void bakeInto(const char* path, Baked& out) {
   settings.max_memory = kMemory;
   kelp::bake::Report report;
   const kelp::RawPack pack = kelp::bake::bake(path, settings, report);
-  if (const auto written = kelp::writePack(pack, {receive, &out.bytes}, 1, settings.effort); !written)
+  if (const auto written = kelp::writePack(pack, kelp::Sink::into(out.bytes), 1, settings.effort); !written)
     throw std::runtime_error(written.error().detail);
   for (const std::string& notice : report.notices) out.words += notice + "\n";
 }

@@ -63,11 +63,13 @@ int main(int count, char** words) {
 
   std::FILE* const file = std::fopen(words[1], "wb");
   if (!file) return std::perror(words[1]), 2;
-  const kelp::Sink sink{[](void* user, std::span<const std::byte> bytes) {
-                          return std::fwrite(bytes.data(), 1, bytes.size(), static_cast<std::FILE*>(user)) ==
-                                 bytes.size();
-                        },
-                        file};
+  const kelp::Sink sink{
+      [](void* user, std::span<const std::byte> bytes) -> kelp::Result<void> {
+        if (std::fwrite(bytes.data(), 1, bytes.size(), static_cast<std::FILE*>(user)) == bytes.size())
+          return {};
+        return kelp::Error{kelp::ErrorCode::kIo, "the file cannot be written"};
+      },
+      file};
   const kelp::Result<void> written = kelp::writePack(pack, sink);
   if (!written)
     std::fprintf(stderr, "%s: %s: %s\n", words[1], kelp::toString(written.error().code),

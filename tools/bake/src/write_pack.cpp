@@ -19,11 +19,12 @@ struct Output {
   bool interrupted = false;
 };
 
-bool receive(void* user, std::span<const std::byte> bytes) {
+Result<void> receive(void* user, std::span<const std::byte> bytes) {
   Output& output = *static_cast<Output*>(user);
   output.bytes += bytes.size();
   if (output.progress && !output.progress("write", 0.5)) output.interrupted = true;
-  return !output.interrupted && output.file.tryWrite(bytes);
+  if (!output.interrupted && output.file.tryWrite(bytes)) return {};
+  return Error{ErrorCode::kIo, "the file cannot be written"};
 }
 
 }  // namespace

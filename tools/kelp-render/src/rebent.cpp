@@ -24,12 +24,7 @@ Rebent::Rebent(const std::string& path, const Source& source, Bend bend) {
     }
   }
   bytes_.reserve(source.size);
-  const Sink sink{[](void* user, std::span<const std::byte> more) {
-                    auto& all = *static_cast<std::vector<std::byte>*>(user);
-                    all.insert(all.end(), more.begin(), more.end());
-                    return true;
-                  },
-                  &bytes_};
+  const Sink sink = Sink::into(bytes_);
   checkPack(path, writeRigs(source, rigs, sink));
 }
 

@@ -39,12 +39,7 @@ Result<std::unique_ptr<RigSketch>> RigSketch::make(const PackRig& rig) {
   pack.sockets = rig.sockets;
 
   std::unique_ptr<RigSketch> sketch(new RigSketch);
-  const Sink sink{[](void* user, std::span<const std::byte> more) {
-                    auto& all = *static_cast<std::vector<std::byte>*>(user);
-                    all.insert(all.end(), more.begin(), more.end());
-                    return true;
-                  },
-                  &sketch->bytes_};
+  const Sink sink = Sink::into(sketch->bytes_);
   if (const auto written = writePack(pack, sink); !written) return written.error();
   sketch->memory_ = MemorySource(sketch->bytes_);
   runtime::Options options;

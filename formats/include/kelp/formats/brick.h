@@ -33,6 +33,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "kelp/formats/error.h"
+
 namespace kelp {
 
 inline constexpr int kBrickSide = 8;
@@ -115,9 +117,9 @@ inline std::uint8_t attributePalette(std::uint32_t attribute) {
 inline std::uint32_t attributeNormal(std::uint32_t attribute) { return attribute >> 8; }
 
 // Writes the index of the first attribute of each z-slice of each brick, 8 values a brick, starting at
-// `first`. `codes` holds whole bricks. `slice_base` must have room for 8 values a brick. Returns the number
-// of attributes, or -1 if a code is reserved or a rank is wrong. Safe for hostile codes.
-std::int64_t computeSliceBase(std::span<const std::uint8_t> codes, std::uint32_t first,
-                              std::span<std::uint32_t> slice_base);
+// `first`. Returns the number of attributes. kMisuse unless `codes` holds whole bricks and `slice_base` has
+// room for 8 values a brick; kCorrupt if a code is reserved or a rank is wrong. Safe for hostile codes.
+Result<std::uint32_t> computeSliceBase(std::span<const std::uint8_t> codes, std::uint32_t first,
+                                       std::span<std::uint32_t> slice_base);
 
 }  // namespace kelp

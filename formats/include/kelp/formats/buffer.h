@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An array whose size may come from a file. If memory is short, functions return false; nothing throws.
+// An array whose size may come from a file. If memory is short, functions return an error; nothing throws.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,8 @@
 #include <span>
 #include <type_traits>
 #include <utility>
+
+#include "kelp/formats/error.h"
 
 namespace kelp {
 
@@ -32,6 +34,8 @@ class Buffer {
   static constexpr std::size_t kSize =
       sizeof(T);  // NOLINT(bugprone-sizeof-expression): of a pointer, where the values are pointers
 
+  static constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "an allocation failed"};
+
  public:
   Buffer() = default;
   explicit Buffer(const Allocator& allocator) : allocator_(allocator) {}
@@ -47,28 +51,28 @@ class Buffer {
     if (data_) allocator_.deallocate(allocator_.user, data_, capacity_ * kSize);
   }
 
-  // Replaces the content with `count` zeroed values. False, with the content unchanged, if memory is short.
-  // The count has 64 bits on every machine, because a file may ask for more than 32 bits can address.
-  [[nodiscard]] bool reset(std::uint64_t count) {
-    if (count > std::numeric_limits<std::size_t>::max() / kSize) return false;
+  // Replaces the content with `count` zeroed values. kOutOfMemory, with the content unchanged, if it is
+  // short. The count has 64 bits on every machine, because a file may ask for more than 32 bits can address.
+  Result<void> reset(std::uint64_t count) {
+    if (count > std::numeric_limits<std::size_t>::max() / kSize) return kNoMemory;
     const std::size_t size = static_cast<std::size_t>(count);
     T* fresh = nullptr;
     if (size > 0) {
       fresh = static_cast<T*>(allocator_.allocate(allocator_.user, size * kSize));
-      if (!fresh) return false;
+      if (!fresh) return kNoMemory;
       std::memset(static_cast<void*>(fresh), 0, size * kSize);
     }
     if (data_) allocator_.deallocate(allocator_.user, data_, capacity_ * kSize);
     data_ = fresh;
     size_ = capacity_ = size;
-    return true;
+    return {};
   }
   // Resizes to `count` values of unspecified content. Allocates only if `count` exceeds the largest size so
-  // far. False, with the content unchanged, if memory is short.
-  [[nodiscard]] bool reuse(std::uint64_t count) {
+  // far. kOutOfMemory, with the content unchanged, if memory is short.
+  Result<void> reuse(std::uint64_t count) {
     if (count > capacity_) return reset(count);
     size_ = static_cast<std::size_t>(count);
-    return true;
+    return {};
   }
 
   const Allocator& allocator() const { return allocator_; }

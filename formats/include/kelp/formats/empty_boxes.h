@@ -40,8 +40,8 @@ struct BoxWindow {
 void chooseBoxes(const BoxWindow& window, std::span<std::uint8_t, kBrickVoxels> codes);
 
 // Writes the boxes of the empty bricks into bits 0 to 23 of their cells; all other bits stay as they are.
-// cells: one for each brick of the grid. Returns false if there is no memory for 4 bytes a brick.
-[[nodiscard]] bool growBoxes(std::span<std::uint32_t> cells, const glm::ivec3& grid,
-                             const Allocator& allocator = {});
+// cells: one for each brick of the grid. kOutOfMemory: no room for 4 bytes a brick.
+Result<void> growBoxes(std::span<std::uint32_t> cells, const glm::ivec3& grid,
+                       const Allocator& allocator = {});
 
 }  // namespace kelp

@@ -95,10 +95,20 @@ struct RawPack {
   std::vector<RawSocket> sockets;
 };
 
-// Receives the bytes of the file in order. `write` returns false to stop; the writer then returns kIo.
+// Receives the bytes of the file in order. An error of `write` stops the writer, which returns it.
 struct Sink {
-  bool (*write)(void* user, std::span<const std::byte> bytes) = nullptr;
+  Result<void> (*write)(void* user, std::span<const std::byte> bytes) = nullptr;
   void* user = nullptr;
+
+  // Appends to `bytes`, which must live while the sink is used.
+  static Sink into(std::vector<std::byte>& bytes) {
+    return {[](void* user, std::span<const std::byte> more) {
+              auto& all = *static_cast<std::vector<std::byte>*>(user);
+              all.insert(all.end(), more.begin(), more.end());
+              return Result<void>();
+            },
+            &bytes};
+  }
 };
 
 // How hard writePack tries to make pages of voxels small.
@@ -108,8 +118,8 @@ enum class Effort : std::uint8_t {
 };
 
 // Writes the pack. The same RawPack gives the same bytes on every machine. Everything is checked before the
-// first byte is written. kMisuse, with a text, for everything that the reader would refuse; kIo if the sink
-// fails; kOutOfMemory. threads: how many threads compress pages, at least 1.
+// first byte is written. kMisuse, with a text, for everything that the reader would refuse; the sink's error;
+// kOutOfMemory. threads: how many threads compress pages, at least 1.
 Result<void> writePack(const RawPack& pack, const Sink& sink, int threads = 1, Effort effort = Effort::kFast);
 
 // The rest rig of a part, as in Part.
@@ -132,8 +142,8 @@ struct RawRigs {
 // Writes the pack in `source` again, with other information, rest rigs, clips and sockets. Every other chunk
 // is copied byte by byte, unknown kinds included, and compared with its checksum on the way. So the result
 // has the same bytes as writePack would write. kMisuse, with a text, if the rigs break the rules of SPEC.md;
-// the errors of Pack::open if the source is not a valid pack; kChecksum; kIo. Safe for hostile sources. After
-// an error, discard what the sink received. Memory: the metadata and a block of 64 KiB.
+// the errors of Pack::open if the source is not a valid pack; kChecksum; the sink's error. Safe for hostile
+// sources. After an error, discard what the sink received. Memory: the metadata and a block of 64 KiB.
 Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink,
                        const Limits& limits = {});
 

@@ -22,14 +22,7 @@ namespace kelp::test {
 // Writes a pack into memory; fails the test, and answers nothing, when the writer refuses.
 inline std::vector<std::byte> writeToMemory(const RawPack& pack, int threads = 1) {
   std::vector<std::byte> bytes;
-  Sink sink;
-  sink.user = &bytes;
-  sink.write = [](void* user, std::span<const std::byte> more) {
-    std::vector<std::byte>& all = *static_cast<std::vector<std::byte>*>(user);
-    all.insert(all.end(), more.begin(), more.end());
-    return true;
-  };
-  const Result<void> written = writePack(pack, sink, threads);
+  const Result<void> written = writePack(pack, Sink::into(bytes), threads);
   EXPECT_TRUE(written) << toString(written.error().code) << ": " << written.error().detail;
   if (!written) bytes.clear();
   return bytes;

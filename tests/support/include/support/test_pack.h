@@ -56,12 +56,7 @@ inline RawPart partOf(const fields::Occupancy& volume, std::vector<Knot> knots,
 // The pack's bytes; the test fails if it cannot be written.
 inline std::vector<std::byte> bytesOf(const RawPack& pack) {
   std::vector<std::byte> bytes;
-  const Sink sink{[](void* user, std::span<const std::byte> more) {
-                    auto& all = *static_cast<std::vector<std::byte>*>(user);
-                    all.insert(all.end(), more.begin(), more.end());
-                    return true;
-                  },
-                  &bytes};
+  const Sink sink = Sink::into(bytes);
   const Result<void> written = writePack(pack, sink);
   EXPECT_TRUE(written) << (written ? "" : written.error().detail);
   return bytes;

@@ -45,7 +45,7 @@ LevelVoxels::LevelVoxels(PackFile& file, std::uint32_t part_index, int level) {
   for (std::size_t c = 0; c < grid.cells.size(); ++c)
     if (raw_.cells[c] == kCellInside) inside_.push_back(voxelAt(grid_, c));
   slice_base_.resize(raw_.codes.size() / kBrickVoxels * 8);
-  computeSliceBase(raw_.codes, 0, slice_base_);  // every page's ranks were checked as it was read
+  (void)computeSliceBase(raw_.codes, 0, slice_base_);  // every page's ranks were checked as it was read
 }
 
 double LevelVoxels::edge() const { return std::cbrt(std::abs(glm::determinant(glm::dmat3(to_object_)))); }
