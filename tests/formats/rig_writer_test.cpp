@@ -30,12 +30,7 @@ RawRigs rigsOf(const RawPack& pack) {
 Result<void> rewrite(const Bytes& pack, const RawRigs& rigs, Bytes& out) {
   MemorySource source(pack);
   out.clear();
-  const auto take = [](void* user, std::span<const std::byte> bytes) {
-    auto& all = *static_cast<Bytes*>(user);
-    all.insert(all.end(), bytes.begin(), bytes.end());
-    return true;
-  };
-  return writeRigs(source.source(), rigs, {take, &out});
+  return writeRigs(source.source(), rigs, Sink::into(out));
 }
 
 // Another rig for each part, and clips and sockets of its own.
@@ -154,12 +149,7 @@ TEST(RigWriter, WhatIsWrittenOpensWithinTheSameLimits) {
     MemorySource source(bytes);
     if (!Pack::open(source.source(), limits)) continue;
     Bytes out;
-    const auto take = [](void* user, std::span<const std::byte> more) {
-      auto& all = *static_cast<Bytes*>(user);
-      all.insert(all.end(), more.begin(), more.end());
-      return true;
-    };
-    if (!writeRigs(source.source(), larger, {take, &out}, limits)) {
+    if (!writeRigs(source.source(), larger, Sink::into(out), limits)) {
       EXPECT_TRUE(out.empty()) << most;
       ++refused;
       continue;
@@ -193,7 +183,10 @@ TEST(RigWriter, TrustsNoSource) {
   EXPECT_LT(taken, static_cast<int>(bytes.size()) / 2);
   MemorySource source(bytes);
   int calls = 0;
-  const auto refuse = [](void* user, std::span<const std::byte>) { return ++*static_cast<int*>(user) < 4; };
+  const auto refuse = [](void* user, std::span<const std::byte>) -> Result<void> {
+    if (++*static_cast<int*>(user) < 4) return {};
+    return Error{ErrorCode::kIo, "full"};
+  };
   EXPECT_EQ(writeRigs(source.source(), rigsOf(pack), {refuse, &calls}).error().code, ErrorCode::kIo);
   EXPECT_EQ(calls, 4);
 }

@@ -314,12 +314,6 @@ void change(Numbers& in, RawPack& pack) {
   }
 }
 
-bool append(void* user, std::span<const std::byte> more) {
-  auto& all = *static_cast<std::vector<std::byte>*>(user);
-  all.insert(all.end(), more.begin(), more.end());
-  return true;
-}
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -328,7 +322,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (int i = 0; i < 16 && !in.done(); ++i) change(in, pack);
 
   std::vector<std::byte> bytes;
-  const Result<void> written = writePack(pack, {append, &bytes}, 1 + static_cast<int>(size % 2));
+  const Result<void> written = writePack(pack, Sink::into(bytes), 1 + static_cast<int>(size % 2));
   if (!written) {
     if (written.error().code != ErrorCode::kMisuse || !bytes.empty())
       fail("refused, but not as misuse", written.error().detail);
@@ -350,7 +344,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const RawPart& part : pack.parts)
     rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at, part.bend, part.roll});
   std::vector<std::byte> again;
-  if (const Result<void> rewritten = writeRigs(memory.source(), rigs, {append, &again}, limits); !rewritten)
+  if (const Result<void> rewritten = writeRigs(memory.source(), rigs, Sink::into(again), limits); !rewritten)
     fail("its own rigs are refused", rewritten.error().detail);
   if (again != bytes) fail("its own rigs", "other bytes");
   if (size % 4 == 0) exercisePack(bytes);

@@ -286,8 +286,9 @@ Exit setRig(const SetRigRequest& request) {
 
   const std::string& output = request.output.empty() ? request.path : request.output;
   OutputFile out = OutputFile::orStandardOutput(console::pathOf(output));
-  const auto write = [](void* user, std::span<const std::byte> bytes) {
-    return static_cast<OutputFile*>(user)->tryWrite(bytes);
+  const auto write = [](void* user, std::span<const std::byte> bytes) -> Result<void> {
+    if (static_cast<OutputFile*>(user)->tryWrite(bytes)) return {};
+    return Error{ErrorCode::kIo, "the file cannot be written"};
   };
   const Result<void> written = writeRigs(file.source(), rigs, {write, &out});
   if (!written && !out.failed()) file.fail(written.error());
