@@ -33,12 +33,13 @@ Result<void> readPart(RecordReader& in, std::uint32_t index, const Limits& limit
   part.pivot = in.mat4x3();
   if (part.parent < -1 || part.parent >= static_cast<std::int64_t>(index))
     return corrupt("a part's parent is not an earlier part", at);
-  if (kind > static_cast<std::uint8_t>(PartKind::kFog)) {
+  if (kind > static_cast<std::uint8_t>(PartKind::kEmpty)) {
     return Error{ErrorCode::kUnsupportedFeature, "a part has a kind that this version does not know", at + 4};
   }
   part.kind = static_cast<PartKind>(kind);
-  if (part.levels < 1 || part.levels > kMaxLevels)
-    return corrupt("a part's number of levels is not 1 to 16", at + 5);
+  const bool empty = part.kind == PartKind::kEmpty;
+  if (empty ? part.levels != 0 : part.levels < 1 || part.levels > kMaxLevels)
+    return corrupt("a part's number of levels is not 1 to 16, or 0 of an empty part", at + 5);
   if (reserved != 0) return corrupt("a reserved field of a part is not zero", at + 6);
   for (int axis = 0; axis < 3; ++axis) {
     if (size[axis] < 1 || size[axis] > layout::kMaxSide)
@@ -115,6 +116,7 @@ Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, 
   if (text_bytes > 0) std::memcpy(out.part_names.data(), chunk.data() + names_at, text_bytes);
 
   std::uint64_t text = 0;
+  bool all_empty = true;
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::size_t at = in.at();
     Part part;
@@ -128,7 +130,9 @@ Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, 
     text += name_bytes;
     if (const Result<void> read = readPart(in, i, limits, part); !read) return read;
     out.parts[i] = part;
+    all_empty = all_empty && part.kind == PartKind::kEmpty;
   }
+  if (all_empty) return corrupt("all parts are empty", 0);
   if (text != text_bytes) return corrupt("the lengths of the part names do not match their text", 4);
   return {};
 }

@@ -43,7 +43,7 @@ bool buildParts(const RawPack& pack, Buffer<std::byte>& out) {
   for (const RawPart& part : pack.parts) {
     to.count(part.name.size());
     to.put(static_cast<std::int32_t>(part.parent));
-    to.put(part.fog ? PartKind::kFog : PartKind::kSolid);
+    to.put(part.fog ? PartKind::kFog : part.levels.empty() ? PartKind::kEmpty : PartKind::kSolid);
     // Too many levels must not wrap around to a valid number.
     to.put(static_cast<std::uint8_t>(part.levels.size() < 255 ? part.levels.size() : 255));
     to.put(std::uint16_t{0});

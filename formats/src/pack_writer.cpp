@@ -130,7 +130,7 @@ class Writer {
         if (pages >= kMaxPages) return misuse("a level has more than 131071 pages");
         page_count += pages;
       }
-      coarsest = std::max(coarsest, part.levels.size() - 1);
+      coarsest = std::max(coarsest, part.levels.size());
     }
     for (const DistancePlan& plan : distances()) page_count += planPages(plan.level, plan.raw->codes, {});
     plans_.reset(new (std::nothrow) PagePlan[page_count]);
@@ -140,7 +140,7 @@ class Writer {
 
     // In the order of the file: levels coarse to fine, then parts; voxels, then distances.
     std::size_t first = 0;
-    for (std::size_t level = coarsest + 1; level-- > 0;) {
+    for (std::size_t level = coarsest; level-- > 0;) {
       std::size_t of_part = 0;  // its first level
       for (std::size_t part = 0; part < pack_.parts.size(); ++part) {
         const std::size_t count = pack_.parts[part].levels.size();
@@ -178,8 +178,9 @@ class Writer {
     const bool any = std::any_of(pack_.parts.begin(), pack_.parts.end(),
                                  [](const RawPart& part) { return !part.distances.empty(); });
     for (const RawPart& part : pack_.parts) {
-      const int wanted =
-          any && !part.fog ? distanceLevels(part.size, static_cast<int>(part.levels.size())) : 0;
+      const int wanted = any && !part.fog && !part.levels.empty()
+                             ? distanceLevels(part.size, static_cast<int>(part.levels.size()))
+                             : 0;
       if (part.distances.size() != static_cast<std::size_t>(wanted))
         return misuse("a part does not have the levels of distances that it needs");
       coarsest = std::max(coarsest, part.distances.size());
@@ -299,7 +300,9 @@ class Writer {
     }
     layout::store(head.span(), 0, layout::kIdentifier);
     layout::store(head.span(), 12, kFormatMajor);
-    layout::store(head.span(), 14, kFormatMinor);
+    const bool any_empty = std::any_of(pack_.parts.begin(), pack_.parts.end(),
+                                       [](const RawPart& part) { return part.levels.empty(); });
+    layout::store(head.span(), 14, static_cast<std::uint16_t>(any_empty ? 1 : 0));
     layout::store(head.span(), 16, end);
     layout::store(head.span(), 24, static_cast<std::uint32_t>(chunk_count_));
     layout::store(head.span(), layout::kHeaderChecksum, checksum(head.span()));

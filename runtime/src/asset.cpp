@@ -360,6 +360,7 @@ const VoxelLevel* Asset::level(int part, int level) const {
 
 int Asset::residentLevel(int part, int wanted) const {
   if (part < 0 || static_cast<std::size_t>(part) >= impl_->pack.parts().size()) return -1;
+  if (impl_->pack.parts()[static_cast<std::size_t>(part)].kind == PartKind::kEmpty) return -1;
   const auto whole = [&](int level) {
     const LevelState* state = impl_->find(part, level);
     return state->ready.load(std::memory_order_acquire) &&

@@ -224,7 +224,7 @@ Box bounds(const Instance& instance) {
   Hangings hangings;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const PosedPart posed = posedPart(instance, static_cast<int>(i));
-    if (posed.knots.size() < 2) continue;
+    if (posed.knots.size() < 2 || posed.part->kind == PartKind::kEmpty) continue;
     const Box box = transformed(partToWorld(instance, static_cast<int>(i), hangings), boundsOf(posed));
     all.add(box.min);
     all.add(box.max);

@@ -27,7 +27,7 @@ export interface Knot {
 }
 export interface Part {
   name: string;
-  kind: 'solid' | 'fog';
+  kind: 'solid' | 'fog' | 'empty';
   bend: 'shear' | 'sweep';
   levels: number;
   /** Voxels of the finest level. */

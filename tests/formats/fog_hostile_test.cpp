@@ -103,7 +103,7 @@ const Lie kFogIndexLies[] = {
     {"stone said to be fog", kCorrupt,
      [](PackSurgeon& s) { set(s.content("PART"), 8 + 8, std::uint8_t{1}); }},
     {"kind 2", ErrorCode::kUnsupportedFeature,
-     [](PackSurgeon& s) { set(s.content("PART"), 8 + 8, std::uint8_t{2}); }},
+     [](PackSurgeon& s) { set(s.content("PART"), 8 + 8, std::uint8_t{3}); }},
 };
 
 // Two records of 28 bytes at 4 and 32, the extinctions of smoke 0, smoke 1, flame 0 at 60, the two colors of

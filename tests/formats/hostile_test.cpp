@@ -90,7 +90,29 @@ TEST(Hostile, NewerMinorIsReadNewerMajorIsNot) {
   surgeon.major = 2;
   expectError(surgeon.build(), ErrorCode::kUnsupportedVersion);
   surgeon.major = 0;
-  expectError(surgeon.build(), ErrorCode::kCorrupt);
+  expectError(surgeon.build(), ErrorCode::kUnsupportedVersion);
+}
+
+TEST(Hostile, EmptyPartsHaveNoLevelsAndNotAllPartsAreEmpty) {
+  constexpr std::size_t kKind = 8 + 8, kLevels = 8 + 9, kSize = 8 + 12;  // of the first part
+  const PackSurgeon sound(test::writeToMemory(test::makeTinyEmptyPack()));
+  const auto lie = [&](std::size_t at, auto value) {
+    PackSurgeon surgeon = sound;
+    test::set(surgeon.content("PART"), at, value);
+    return surgeon.build();
+  };
+  expectError(lie(kKind, std::uint8_t{3}), ErrorCode::kUnsupportedFeature);
+  expectError(lie(kKind, std::uint8_t{0}), ErrorCode::kCorrupt);
+  expectError(lie(kLevels, std::uint8_t{1}), ErrorCode::kCorrupt);
+  expectError(lie(kSize, 0u), ErrorCode::kCorrupt);
+  expectError(lie(kSize, 8193u), ErrorCode::kLimit);
+  expectError(lie(kSize, 32769u), ErrorCode::kCorrupt);
+  RawPack all = test::makeTinyEmptyPack();
+  for (RawPart& part : all.parts) part.levels.clear();
+  std::vector<std::byte> none;
+  const Result<void> written = writePack(all, Sink::into(none));
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, ErrorCode::kMisuse);
 }
 
 TEST(Hostile, UnknownChunksAreSkippedUnlessRequired) {

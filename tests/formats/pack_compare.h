@@ -67,7 +67,10 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
   for (std::size_t p = 0; p < pack.parts().size(); ++p) {
     const Part& a = pack.parts()[p];
     const RawPart b = p < raw.parts.size() ? raw.parts[p] : RawPart();
-    check(a.name == b.name && a.parent == b.parent && a.kind == (b.fog ? PartKind::kFog : PartKind::kSolid) &&
+    check(a.name == b.name && a.parent == b.parent &&
+          a.kind == (b.fog              ? PartKind::kFog
+                     : b.levels.empty() ? PartKind::kEmpty
+                                        : PartKind::kSolid) &&
           a.size == b.size && a.automatic_tangents == b.automatic_tangents && a.parent_at == b.parent_at &&
           a.bend == b.bend && a.roll == b.roll);
     check((a.fog != nullptr) == b.fog.has_value());

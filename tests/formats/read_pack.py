@@ -152,7 +152,7 @@ class Pack:
         self.info = Table.text(content["INFO"]) if "INFO" in content else ""
         self.read_parts(Table(content["PART"], "PART"))
         self.read_palette(Table(content["MATL"], "MATL"))
-        need(("FOGS" in content) == any(part["kind"] for part in self.parts),
+        need(("FOGS" in content) == any(part["kind"] == 1 for part in self.parts),
                 "FOGS is there if a part is fog, and only then")
         if "FOGS" in content:
             self.read_fogs(Table(content["FOGS"], "FOGS"))
@@ -172,8 +172,9 @@ class Pack:
             name_bytes, parent, kind, levels, reserved = table.take("IiBBH")
             size, to_object, pivot = table.take("III"), table.take("12f"), table.take("12f")
             need(-1 <= parent < i, "parent")
-            need(kind <= 1, "unsupported feature: kind of part")
-            need(1 <= levels <= 16 and reserved == 0, "levels or reserved field")
+            need(kind <= 2, "unsupported feature: kind of part")
+            need((levels == 0 if kind == 2 else 1 <= levels <= 16) and reserved == 0,
+                    "levels or reserved field")
             need(all(1 <= side <= 32768 for side in size), "size of a part")
             for m in (to_object, pivot):
                 a, b, c = m[0:3], m[3:6], m[6:9]
@@ -183,6 +184,7 @@ class Pack:
             sizes.append(name_bytes)
             self.parts.append({"parent": parent, "kind": kind, "levels": levels, "size": size,
                     "to_object": to_object, "pivot": pivot})
+        need(any(part["kind"] != 2 for part in self.parts), "all parts are empty")
         need(sum(sizes) == text_bytes, "bytes of names")
         for part, name_bytes in zip(self.parts, sizes):
             part["name"] = table.name(name_bytes)
@@ -200,7 +202,7 @@ class Pack:
         table.end()
 
     def read_fogs(self, table):
-        fogs = [part for part in self.parts if part["kind"]]
+        fogs = [part for part in self.parts if part["kind"] == 1]
         need(table.one("I") == len(fogs), "fog of another number of parts")
         for part in fogs:
             part["fog"] = table.take("5f")
@@ -314,7 +316,7 @@ class Pack:
             for index, part in enumerate(self.parts):
                 if level >= part["levels"]:
                     continue
-                bricks = "FOGB" if part["kind"] else "BRCK"
+                bricks = "FOGB" if part["kind"] == 1 else "BRCK"
                 need(len(left) >= 2 and left[0][:3] == ("GRID", level, index)
                         and left[1][:3] == (bricks, level, index), "order of levels")
                 part["level"][level] = self.read_level(part, level, left.pop(0)[3], left.pop(0)[3])
@@ -535,7 +537,7 @@ def dump(pack):
         out += ["knot " + bits(knot) for knot in part["knots"]]
         out.append("automatic %x parent at %s" % (part["automatic"], bits([part["parent_at"]])))
         out.append("bend %d roll %s" % (part["bend"], bits([part["roll"]])))
-        if part["kind"]:
+        if part["kind"] == 1:
             out += ["fog " + bits(part["fog"])] + ["colour " + bits(colour) for colour in part["ramp"]]
             for level, extinction in zip(part["level"], part["extinction"]):
                 crc = [zlib.crc32(struct.pack("<%dI" % len(level["cells"]), *level["cells"])),

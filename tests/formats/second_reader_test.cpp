@@ -96,11 +96,16 @@ std::vector<std::uint8_t> withoutRanks(std::vector<std::uint8_t> codes) {
 }
 
 std::string dump(const RawPack& pack) {
-  std::string out = format("minor %d\ninfo ", kFormatMinor) + pack.info_json + "\n";
+  const bool any_empty =
+      std::any_of(pack.parts.begin(), pack.parts.end(), [](const RawPart& p) { return p.levels.empty(); });
+  std::string out = format("minor %d\ninfo ", any_empty) + pack.info_json + "\n";
   for (const Material& m : pack.palette) out += "material " + bits(m) + "\n";
   for (const RawPart& part : pack.parts) {
     out += "part " + hex(part.name) +
-           format(" parent %d kind %d size %d %d %d levels %zu\n", part.parent, part.fog.has_value(),
+           format(" parent %d kind %d size %d %d %d levels %zu\n", part.parent,
+                  part.fog              ? 1
+                  : part.levels.empty() ? 2
+                                        : 0,
                   part.size.x, part.size.y, part.size.z, part.levels.size());
     out += "object " + bits(part.to_object) + "\npivot " + bits(part.pivot) + "\n";
     for (const Knot& knot : part.knots) out += "knot " + bits(knot) + "\n";
@@ -148,7 +153,8 @@ std::string dump(const RawPack& pack) {
 }
 
 TEST(SecondReader, ReadsWhatTheWriterWrote) {
-  std::vector<RawPack> packs = {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack()};
+  std::vector<RawPack> packs = {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
+                                test::makeTinyEmptyPack()};
   packs.push_back(test::makeTinyFogPack());
   packs.back().parts[2].bend = Bend::kSweep;
   for (std::uint32_t seed = 50; seed < 52; ++seed) packs.push_back(test::makeRandomPack(seed, {3, 50, 3, 3}));
@@ -162,7 +168,8 @@ TEST(SecondReader, ReadsWhatTheWriterWrote) {
 }
 
 TEST(SecondReader, SeesEveryChangedByte) {
-  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack()}) {
+  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
+                              test::makeTinyEmptyPack()}) {
     const PackFile file(test::writeToMemory(pack));
     const Outcome damaged = readPack("--damage \"" + file.path.string() + "\"");
     if (damaged.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
@@ -176,7 +183,8 @@ TEST(SecondReader, RefusesTheSameLies) {
   const auto below = [&](std::size_t count) { return static_cast<std::size_t>(random() % count); };
   const int lies = test::allTests() ? 60 : 6;  // of each pack
   int refused = 0, accepted = 0;
-  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack()}) {
+  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
+                              test::makeTinyEmptyPack()}) {
     const test::PackSurgeon sound(test::writeToMemory(pack));
     for (int i = 0; i < lies; ++i) {
       test::PackSurgeon lying = sound;

@@ -93,4 +93,29 @@ inline RawPack makeTinyPack() {
   return pack;
 }
 
+// A pack of which the first part and the last are empty. Its bytes are checked in as golden/empty.kelp.
+inline RawPack makeTinyEmptyPack() {
+  RawPack pack = makeTinyPack();
+  RawPart root;
+  root.name = "root";
+  root.size = {3, 40, 5};
+  root.to_object[3] = {-1, 0, -2};
+  root.knots = {{0, {0, 0, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}};
+  RawPart tip = root;
+  tip.name = "tip";
+  tip.parent = 2;
+  tip.parent_at = 1;
+  root.knots.insert(root.knots.begin() + 1, {0.5f, {0.25f, 0.5f, 0}, {0, 1, 0}});
+  pack.parts.insert(pack.parts.begin(), root);
+  pack.parts[1].parent = 0;
+  pack.parts[2].parent = 1;
+  pack.parts.push_back(tip);
+  pack.clips[0].waves[0] = {0, 1, Target::kKnotOffset, {0.5f, 0, -0.25f}, 3.5f, 0.125f};
+  pack.clips[0].tracks[0].part = 3;
+  pack.clips[0].tracks[1].part = 1;
+  pack.sockets[0].part = 3;
+  pack.sockets[1].part = 0;
+  return pack;
+}
+
 }  // namespace kelp::test

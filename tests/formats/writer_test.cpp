@@ -44,7 +44,10 @@ const Mistake kMistakes[] = {
     {"name of 256 bytes", [](RawPack& p) { p.parts[0].name = std::string(256, 'x'); }},
     {"clip name of 256 bytes", [](RawPack& p) { p.clips[0].name = std::string(256, 'x'); }},
     {"parent later", [](RawPack& p) { p.parts[0].parent = 1; }},
-    {"no levels", [](RawPack& p) { p.parts[1].levels.clear(); }},
+    {"no levels at all",
+     [](RawPack& p) {
+       for (RawPart& part : p.parts) part.levels.clear();
+     }},
     {"17 levels", [](RawPack& p) { p.parts[1].levels.resize(17, p.parts[1].levels[0]); }},
     {"257 levels", [](RawPack& p) { p.parts[1].levels.resize(257, p.parts[1].levels[0]); }},
     {"size 0", [](RawPack& p) { p.parts[1].size.y = 0; }},

@@ -242,6 +242,37 @@ TEST_P(LeftOutTest, TheOutputForTheScreenIsEncodedAndToneMapped) {
   }
 }
 
+TEST_P(LeftOutTest, EmptyPartsDrawNothingAndMoveTheOthers) {
+  const Canvas canvas({64, 64});
+  const RawPack plain = twoParts();
+  RawPack hung = plain;
+  RawPart joint = hung.parts[0];
+  joint.name = "joint";
+  joint.size = {500, 500, 500};
+  joint.levels.clear();
+  for (RawPart& part : hung.parts) part.parent = 0;
+  hung.parts.insert(hung.parts.begin(), joint);
+  const LoadedAsset without(plain), with(hung);
+  const gl::View view = lookAt(canvas, {1, 1.5f, 3}, {0.4f, 0.5f, 0});
+  const auto seen = [&](const LoadedAsset& loaded, const glm::vec3& by) {
+    const auto renderer = makeRenderer(*loaded.asset);
+    Pose pose = Pose::create(*loaded.asset).value();
+    Instance instance{loaded.asset.get(), &pose};
+    if (&loaded == &with)
+      pose.motion(0)->translation = by;
+    else
+      instance.to_world[3] = glm::vec4(by, 1);
+    canvas.clear();
+    EXPECT_TRUE(renderer->draw(view, {&instance, 1}));
+    return canvas.pixels();
+  };
+  EXPECT_EQ(seen(with, {0, 0, 0}), seen(without, {0, 0, 0}));
+  const std::vector<Pixel> moved = seen(with, {0.5f, 0.25f, 0}), wanted = seen(without, {0.5f, 0.25f, 0});
+  int different = 0;
+  for (std::size_t i = 0; i < moved.size(); ++i) different += moved[i] != wanted[i];
+  EXPECT_LE(different, 8);
+}
+
 KELP_GL_TESTS(LeftOutTest);
 
 }  // namespace

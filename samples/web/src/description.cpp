@@ -38,7 +38,7 @@ void put(std::string& out, const glm::vec3& v) {
 void put(std::string& out, const Part& part) {
   out += "{\"name\":";
   put(out, part.name);
-  out += part.kind == PartKind::kFog ? ",\"kind\":\"fog\"" : ",\"kind\":\"solid\"";
+  out += std::string(",\"kind\":\"") + toString(part.kind) + '"';
   out += part.bend == Bend::kSweep ? ",\"bend\":\"sweep\"" : ",\"bend\":\"shear\"";
   out += ",\"levels\":" + std::to_string(part.levels) + ",\"size\":";
   put(out, glm::vec3(part.size));

@@ -249,10 +249,13 @@ void voxelizePart(Job& job, std::size_t index, PartNotices& notices) {
   if (part.parent >= 0) line.parent = job.model.parts[static_cast<std::size_t>(part.parent)].name;
   if (part.fog) return reportFog(part, line);
   bool cut_out = false;
-  if (part.carrier) {
-    line.fill = "moves the parts that follow it, and is one voxel too small to be seen";
-    line.closed = true;
-  } else if (part.grid) {
+  if (part.isEmpty()) {
+    line.fill = "empty: moves the parts that follow it";
+    line.closed = line.empty = true;
+    line.size = part.grid->size;
+    return;
+  }
+  if (part.grid) {
     line.fill = "solid: from a volume";
     line.closed = true;
     line.voxel_size = voxelSize(part, part.grid->to_node);
@@ -261,7 +264,6 @@ void voxelizePart(Job& job, std::size_t index, PartNotices& notices) {
                           [&](const auto& t) { return job.model.materials[t.material].alpha_cutoff > 0; });
     voxelizeMesh(job, index, line, notices);
   }
-  line.carrier = part.carrier;
   line.size = part.grid->size;
   line.surface_voxels = part.grid->surface.size();
   if (line.solid_voxels == 0) line.solid_voxels = countNonZero(part.grid->solid);
@@ -273,11 +275,6 @@ void voxelizeParts(Job& job) {
   PartNotices notices;
   for (std::size_t i = 0; i < job.model.parts.size(); ++i) voxelizePart(job, i, notices);
   notices.moveTo(job.report.notices);
-  // The voxel of a carrier takes a colour that is there anyway: that of the part after it, which follows it.
-  std::vector<SourcePart>& parts = job.model.parts;
-  for (std::size_t i = parts.size() - 1; i-- > 0;)
-    if (parts[i].carrier)
-      parts[i].grid->surface.assign(1, {0, glm::vec3(0, 1, 0), parts[i + 1].grid->surface.front().material});
 }
 
 // The one part of a model that bends by joints becomes several.
@@ -319,7 +316,8 @@ void buildLevels(Job& job) {
     RawPart& raw = job.pack.parts[i];
     Report::Part& line = job.report.parts[i];
     raw.to_object = voxelsToObject(part);
-    if (!part.carrier && placeError(part) > 0.25 * line.voxel_size)
+    if (part.isEmpty()) continue;
+    if (placeError(part) > 0.25 * line.voxel_size)
       notices.add(part.name,
                   "stands so far from the origin that 32-bit floats put it a quarter of a voxel or more off "
                   "its place; its shape is right. Move the model towards the origin");
@@ -342,7 +340,7 @@ void buildLevels(Job& job) {
 void addDistances(Job& job) {
   for (std::size_t i = 0; i < job.pack.parts.size(); ++i) {
     RawPart& part = job.pack.parts[i];
-    if (!part.fog) part.distances = buildDistances(part, job.threads, job.shareOf(i));
+    if (!part.fog && !part.levels.empty()) part.distances = buildDistances(part, job.threads, job.shareOf(i));
   }
 }
 

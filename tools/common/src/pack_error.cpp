@@ -45,6 +45,7 @@ const char* remedyOf(ErrorCode code) {
     case ErrorCode::kLimit:
       return "a pack this large is not opened: bake it with a lower resolution";
     case ErrorCode::kUnsupportedVersion:
+      return "bake it again, or use the version of kelp that made it";
     case ErrorCode::kUnsupportedFeature:
       return "use a newer version of kelp";
     case ErrorCode::kOutOfMemory:

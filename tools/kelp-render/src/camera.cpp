@@ -116,6 +116,7 @@ void addOutline(const runtime::Instance& instance, Framing& framing) {
   const std::span<const Part> parts = instance.asset->pack().parts();
   for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
     const Part& part = parts[static_cast<std::size_t>(p)];
+    if (part.kind == PartKind::kEmpty) continue;
     int index = 0;
     while (index + 1 < part.levels &&
            std::max({part.size.x, part.size.y, part.size.z}) > (kMostBricks * kBrickSide) << index)

@@ -156,8 +156,9 @@ void PaperDrawer::check(const Scene& scene) const {
   std::uint64_t voxels = 0, largest = 0;
   for (const auto& [key, pack] : scene.packs()) {
     for (const Part& part : pack->pack().parts()) {
+      if (part.kind == PartKind::kEmpty) continue;
       const std::string where = fmt::format("{}: part {}", key.path, part.name);
-      if (part.kind != PartKind::kSolid)
+      if (part.kind == PartKind::kFog)
         throw ToolError(
             Exit::kUnsupported,
             fmt::format("{} is fog, and the paper's method draws solid voxels only; {}", where, kRemedy));
@@ -210,6 +211,7 @@ PaperAsset PaperDrawer::load(const std::string& path, const runtime::Asset& asse
   const std::span<const Part> parts = asset.pack().parts();
   for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
     PaperPart& part = textures.parts.emplace_back();
+    if (parts[static_cast<std::size_t>(p)].kind == PartKind::kEmpty) continue;
     DenseVolume volume = decodeDense(asset, p);
     if (std::find(volume.solid.begin(), volume.solid.end(), 1) == volume.solid.end()) continue;
     const std::string where = fmt::format("{}: part {}", path, parts[static_cast<std::size_t>(p)].name);

@@ -52,8 +52,8 @@ glm::mat4 placeOf(const Item& item) {
 // Fog has no distances. It can be shaded all the same, but there is nothing to show of it.
 void checkDistances(const Options& options, const std::string& path, const runtime::Asset& pack) {
   if (pack.loadsDistances()) return;
-  const bool fog =
-      std::ranges::all_of(pack.pack().parts(), [](const Part& part) { return part.kind == PartKind::kFog; });
+  const bool fog = std::ranges::all_of(pack.pack().parts(),
+                                       [](const Part& part) { return part.kind != PartKind::kSolid; });
   if (!fog)
     throw ToolError(Exit::kUnsupported, path + ": holds no distances; bake it again without --no-distance");
   if (options.view == ViewKind::kDistance)

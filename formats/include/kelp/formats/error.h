@@ -15,7 +15,7 @@ enum class ErrorCode : std::uint16_t {
   kMisuse = 1,
   kIo,                  // the source failed to read, or the sink failed to write
   kNotAPack,            // the file does not start with the identifier of a .kelp pack
-  kUnsupportedVersion,  // written by a newer major version of the format
+  kUnsupportedVersion,  // of another major version of the format
   kUnsupportedFeature,  // a required chunk, a flag or a kind of part that this version does not know
   kTruncated,           // the file is shorter than its header says
   kChecksum,            // bytes differ from their checksum

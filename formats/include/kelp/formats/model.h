@@ -23,7 +23,16 @@ struct Material {
   float roughness = 1;
 };
 
-enum class PartKind : std::uint8_t { kSolid = 0, kFog = 1 };
+enum class PartKind : std::uint8_t {
+  kSolid = 0,
+  kFog = 1,
+  kEmpty = 2,  // no voxels: a place in the hierarchy that clips move, and that parts and sockets follow
+};
+
+// "solid", "fog" or "empty".
+constexpr const char* toString(PartKind kind) {
+  return kind == PartKind::kSolid ? "solid" : kind == PartKind::kFog ? "fog" : "empty";
+}
 
 // The meaning of a fog part's samples: how much light fog absorbs, scatters and emits along a ray.
 // kelp/formats/fog.h describes the samples. Lengths are in level-0 voxels.
@@ -43,13 +52,13 @@ struct Fog {
   int channels() const { return ramp.empty() ? 1 : 2; }
 };
 
-// A voxel volume with one rig. Part space is in level-0 voxels: the box [0,size.x] x [0,size.y] x [0,size.z],
-// with +y along the spline.
+// A voxel volume with one rig, or a rig alone. Part space is in level-0 voxels: the box [0,size.x] x
+// [0,size.y] x [0,size.z], with +y along the spline.
 struct Part {
   std::string_view name;
   int parent = -1;  // index of an earlier part, whose motion this part follows; -1: none
   PartKind kind = PartKind::kSolid;
-  int levels = 1;            // level l has ceil(size / 2^l) voxels
+  int levels = 1;            // level l has ceil(size / 2^l) voxels; 0: the part is empty
   glm::ivec3 size{0};        // level-0 voxels
   glm::mat4x3 to_object{1};  // voxels -> object (meters, +Y up, right-handed, as glTF), at rest
   // Pivot space -> object. kPartTranslation, kPartRotation and kPartScale act in pivot space.

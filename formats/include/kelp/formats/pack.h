@@ -19,7 +19,7 @@
 namespace kelp {
 
 inline constexpr std::uint16_t kFormatMajor = 1;
-inline constexpr std::uint16_t kFormatMinor = 0;
+inline constexpr std::uint16_t kFormatMinor = 1;
 
 // Bounds on a pack; kLimit beyond. Limits and file size together bound the memory that the reader
 // takes:

@@ -58,7 +58,7 @@ struct RawPart {
   float parent_at = Part::kNotOnSpline;  // as in Part
   Bend bend = Bend::kShear;              // as in Part
   float roll = 0;                        // as in Part
-  std::vector<RawLevel> levels;          // finest first, at least one
+  std::vector<RawLevel> levels;          // finest first; none: the part is empty
   // Finest first: distanceLevels() of them for every solid part of the pack, or none for any.
   std::vector<RawDistances> distances;
   std::optional<RawFog> fog;  // set: the part is fog

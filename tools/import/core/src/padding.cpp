@@ -48,7 +48,7 @@ struct Padding {
 }  // namespace
 
 glm::ivec3 paddingOf(const SourcePart& part, int pad) {
-  if (part.carrier) return glm::ivec3(0);
+  if (part.isEmpty()) return glm::ivec3(0);
   return {pad, bendable(part) ? 0 : pad, pad};
 }
 

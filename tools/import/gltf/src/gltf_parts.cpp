@@ -41,7 +41,7 @@ class NodePlanner {
   std::vector<PartPlan> plan() {
     collect();
     checkPartCount(*model_.files, plans_.size(), "meshes");  // the ways up take their time
-    addCarriers();
+    addEmptyParts();
     for (std::size_t p = 0; p < plans_.size(); ++p) {
       const Way way = wayUp(p);
       plans_[p].mover = way.movers.empty() ? -1 : way.movers.front();
@@ -129,13 +129,13 @@ class NodePlanner {
     return way;
   }
 
-  void addCarriers() {
-    std::set<int> carriers;
+  void addEmptyParts() {
+    std::set<int> movers;  // those without a mesh between two that move
     for (std::size_t p = 0; p < plans_.size(); ++p) {
       const Way way = wayUp(p);
-      if (way.movers.size() > 1) carriers.insert(way.movers.begin() + 1, way.movers.end());
+      if (way.movers.size() > 1) movers.insert(way.movers.begin() + 1, way.movers.end());
     }
-    for (int node : carriers) {
+    for (int node : movers) {
       seat_[static_cast<std::size_t>(node)] = static_cast<int>(plans_.size());
       plans_.push_back({node, -1, -1, std::nullopt, {}, {}, {}, true});
       anchors_.push_back(node);

@@ -27,8 +27,7 @@ std::vector<PartPlan> planByRigs(const GltfModel& model, bool single);
 // The plan of Parts::kNodes. A rig takes the meshes below its node into one part, except those that
 // animations move. Every other node with a mesh is a part that follows the nearest part above it. A pack
 // stores one motion for each part. So where several animated nodes lie between a part and the next one above,
-// those without a mesh become parts of one voxel, too small to be seen. Then motions one after the other stay
-// exact.
+// those without a mesh become empty parts. Then motions one after the other stay exact.
 std::vector<PartPlan> planByNodes(const GltfModel& model, const std::vector<GltfAnimation>& animations);
 
 // The node's place and rotation in the object. Scale, shear and mirroring go into the triangles, so that

@@ -161,8 +161,8 @@ class GltfImporter {
         out_.parts.push_back(*std::move(part));
       }
     }
-    placeCarriers();
-    hangCarriers();
+    dropLoneParts();
+    hangEmptyParts();
   }
 
   std::optional<SourcePart> makePart(const PartPlan& plan) {
@@ -195,7 +195,9 @@ class GltfImporter {
     if (part.soup.triangles.empty()) {
       if (plan.rig || !plan.knots.empty()) model_.note(noTriangles(plan));
       if (!plan.rigid || plan.mover < 0) return std::nullopt;
-      part.carrier = true;
+      part.grid.emplace();  // a unit cube around the place that it moves about
+      part.grid->size = glm::ivec3(1);
+      part.grid->to_node[3] = glm::vec3(-0.5f);
     }
     part.to_object = toAffine(space);
     const int mover = giveMotion(plan, part);
@@ -206,7 +208,7 @@ class GltfImporter {
       if (mover >= 0)
         addClips(model_, mover, {}, part.soup, part.name, animations_, channels_, used_, part.rig);
     }
-    if (!part.carrier) {
+    if (!part.isEmpty()) {
       giveRig(part, outer_, settings_);
       addSockets(model_, plan.sockets, space, part);
     }
@@ -251,45 +253,23 @@ class GltfImporter {
     return -1;
   }
 
-  // Every part of a pack has voxels. A carrier has one, a millionth as large as the part that follows it and
-  // at its corner: it cannot be seen and does not enlarge the bounds.
-  void placeCarriers() {
+  // Removes the empty parts that nothing follows: what they were there for had no triangles.
+  void dropLoneParts() {
     for (std::size_t i = out_.parts.size(); i-- > 0;) {
-      SourcePart& carrier = out_.parts[i];
-      if (!carrier.carrier) continue;
-      const auto self = out_.parts.begin() + static_cast<std::ptrdiff_t>(i);
-      const auto child = std::find_if(
-          self, out_.parts.end(), [&](const SourcePart& part) { return part.parent == static_cast<int>(i); });
-      if (child == out_.parts.end()) {  // what it was there for had no triangles
-        const auto after = out_.parts.erase(self);
-        std::for_each(after, out_.parts.end(),
-                      [&](SourcePart& part) { part.parent -= part.parent > static_cast<int>(i); });
-        continue;
-      }
-      double edge = static_cast<double>(child->to_object[0].x);
-      glm::vec3 place = child->to_object[3];
-      if (!child->carrier) {
-        const glm::vec3 corner = child->soup.positions.front();
-        double longest = 0;
-        for (const glm::vec3& p : child->soup.positions)
-          longest = std::max(longest, static_cast<double>(glm::length(p - corner)));
-        edge = 1e-6 * longest;
-        place = child->to_object * glm::vec4(corner, 1);
-      }
-      carrier.to_object = toAffine(glm::dmat4(glm::dvec4(edge, 0, 0, 0), glm::dvec4(0, edge, 0, 0),
-                                              glm::dvec4(0, 0, edge, 0), glm::dvec4(glm::dvec3(place), 1)));
-      carrier.grid.emplace();
-      carrier.grid->size = glm::ivec3(1);
-      carrier.grid->solid.assign(1, 1);
+      const auto index = static_cast<int>(i);
+      const auto follows = [index](const SourcePart& part) { return part.parent == index; };
+      if (!out_.parts[i].isEmpty() || std::ranges::any_of(out_.parts, follows)) continue;
+      out_.parts.erase(out_.parts.begin() + index);
+      for (SourcePart& part : out_.parts) part.parent -= part.parent > index;
     }
   }
 
-  // Where a carrier stands between a part and the one that it hangs on, the carrier hangs there: it takes
-  // along what follows it.
-  void hangCarriers() {
+  // Where an empty part stands between a part and the one that it hangs on, the empty part hangs there: it
+  // takes along what follows it.
+  void hangEmptyParts() {
     for (SourcePart& part : out_.parts) {
       SourcePart* hung = &part;
-      while (hung->parent >= 0 && out_.parts[static_cast<std::size_t>(hung->parent)].carrier)
+      while (hung->parent >= 0 && out_.parts[static_cast<std::size_t>(hung->parent)].isEmpty())
         hung = &out_.parts[static_cast<std::size_t>(hung->parent)];
       if (hung == &part || part.rig.parent_at == Part::kNotOnSpline) continue;
       if (hung->rig.parent_at != Part::kNotOnSpline && hung->rig.parent_at != part.rig.parent_at)

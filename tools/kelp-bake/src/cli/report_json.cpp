@@ -42,7 +42,7 @@ OrderedJson partJson(const bake::Report::Part& part) {
   OrderedJson json{{"name", part.name},
                    {"parent", part.parent.empty() ? OrderedJson() : OrderedJson(part.parent)},
                    {"parent_at", part.parent_at < 0 ? OrderedJson() : OrderedJson(part.parent_at)},
-                   {"carrier", part.carrier},
+                   {"empty", part.empty},
                    {"size", {part.size.x, part.size.y, part.size.z}},
                    {"voxel_size", part.voxel_size},
                    {"rig", part.rig_origin},

@@ -80,7 +80,7 @@ void printParts(const Options& options, const bake::Report& report) {
   constexpr std::size_t kShown = 12;
   std::vector<const bake::Report::Part*> parts;
   for (const bake::Report::Part& part : report.parts)
-    if (!part.carrier) parts.push_back(&part);
+    if (!part.empty) parts.push_back(&part);
   const std::size_t shown = std::min(parts.size(), kShown);
   if (shown < parts.size())
     std::stable_sort(parts.begin(), parts.end(), [](const auto* a, const auto* b) {
@@ -153,7 +153,7 @@ void printSummary(const Options& options, const bake::Report& report, double sec
     triangles += part.triangles;
     surface += part.surface_voxels;
     fog += part.fog_voxels;
-    parts += !part.carrier;
+    parts += !part.empty;
   }
   std::string line =
       fmt::format("{}: {}, {}", options.input.filename().string(), report.format, counted(parts, "part"));

@@ -77,9 +77,10 @@ ExtractRequest requestOf(PackFile& file, const ExtractOptions& options, const st
   const std::span<const Part> parts = file.pack().parts();
   ExtractRequest request{file, {}, options.level, output, options.error};
   if (options.part.empty()) {
-    for (std::uint32_t part = 0; part < parts.size(); ++part) request.parts.push_back(part);
+    for (std::uint32_t part = 0; part < parts.size(); ++part)
+      if (parts[part].kind != PartKind::kEmpty) request.parts.push_back(part);
   } else {
-    request.parts.push_back(file.findPart(options.part));
+    request.parts.push_back(file.findVoxels(options.part));
   }
   int levels = 0;
   for (const std::uint32_t part : request.parts) {

@@ -36,7 +36,7 @@ Exit runSlice(const CLI::App& command, const SliceCommandOptions& options) {
                     fmt::format("--scale {}: expected 1 to {} pixels a voxel", slice.scale, kMostScale));
   checkBinaryOutput(options.output, options.path, "a PNG");
   PackFile file(options.path);
-  const std::uint32_t part = file.partOrFirst(options.part);
+  const std::uint32_t part = file.findVoxels(options.part);
   if (const int levels = file.pack().parts()[part].levels; slice.level < 0 || slice.level >= levels)
     throw ToolError(Exit::kUsage, fmt::format("{}: --level {}: there are levels 0 to {}; choose one of them",
                                               file.path(), slice.level, levels - 1));

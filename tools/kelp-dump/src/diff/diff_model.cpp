@@ -83,7 +83,7 @@ class PartDiff {
       : a_(a), b_(b), tolerance_(tolerance), out_(out) {}
 
   bool voxelsFit() {
-    if (a_.kind != b_.kind) say("type", a_.fog ? "fog" : "solid", b_.fog ? "fog" : "solid");
+    if (a_.kind != b_.kind) say("type", toString(a_.kind), toString(b_.kind));
     if (a_.size != b_.size) say("size", sizeText(a_.size), sizeText(b_.size));
     if (a_.levels != b_.levels) say("levels", std::to_string(a_.levels), std::to_string(b_.levels));
     return a_.kind == b_.kind && a_.size == b_.size;

@@ -41,7 +41,7 @@ Json partJson(const PartSummary& p) {
   Json json = {{"name", part.name},
                {"parent", part.parent >= 0 ? Json(part.parent) : Json(nullptr)},
                {"parent_at", part.parent_at >= 0 ? Json(part.parent_at) : Json(nullptr)},
-               {"kind", part.kind == PartKind::kFog ? "fog" : "solid"},
+               {"kind", toString(part.kind)},
                {"size", array3(part.size)},
                {"voxel_metres", array3(p.voxel)},
                {"to_object", to_object},

@@ -35,6 +35,10 @@ std::string more(std::size_t total, std::size_t shown, const char* what) {
                        : "";
 }
 
+const char* kindText(const Part& part) {
+  return part.fog ? " (fog)" : part.kind == PartKind::kEmpty ? " (empty)" : "";
+}
+
 std::string fogText(const Fog& fog) {
   std::string text = fmt::format("    fog of {}{}, anisotropy {:.3g}", swatch({fog.color, 1}),
                                  hexColour({fog.color, 1}), fog.anisotropy);
@@ -46,6 +50,7 @@ std::string fogText(const Fog& fog) {
 }
 
 std::string levelsText(const Summary& summary, const PartSummary& p) {
+  if (p.levels.empty()) return "";
   const bool fog = p.part->fog != nullptr;
   std::string text = fmt::format("    {:<6}{:>20}", "level", "voxels") +
                      (summary.counted ? "" : fmt::format("{:>12}", "cells"));
@@ -88,10 +93,10 @@ std::string voxelText(const PartSummary& p) {
 std::string partText(const Summary& summary, std::size_t index) {
   const PartSummary& p = summary.parts[index];
   const Part& part = *p.part;
-  std::string text = fmt::format("  {} {}{}: {} voxels of {} ({} x {} x {})", index,
-                                 bold(nameText(part.name)), part.fog ? " (fog)" : "", sizeText(part.size),
-                                 voxelText(p), metresText(p.voxel.x * part.size.x),
-                                 metresText(p.voxel.y * part.size.y), metresText(p.voxel.z * part.size.z));
+  std::string text =
+      fmt::format("  {} {}{}: {} voxels of {} ({} x {} x {})", index, bold(nameText(part.name)),
+                  kindText(part), sizeText(part.size), voxelText(p), metresText(p.voxel.x * part.size.x),
+                  metresText(p.voxel.y * part.size.y), metresText(p.voxel.z * part.size.z));
   text += fmt::format("; {} knots at", part.knots.size());
   for (std::size_t k = 0; k < part.knots.size() && k < 8; ++k)
     text += fmt::format(" {:.3g}", part.knots[k].at);
@@ -109,7 +114,7 @@ std::string partsTable(const Summary& summary) {
                                  "voxels", "voxel", "levels", "knots", "stored", "of file");
   for (std::size_t i = 0; i < summary.parts.size() && i < kMostParts; ++i) {
     const PartSummary& p = summary.parts[i];
-    const std::string name = nameText(p.part->name, 20) + (p.part->fog ? " (fog)" : "");
+    const std::string name = nameText(p.part->name, 20) + kindText(*p.part);
     text += fmt::format("  {:<6}{}{:>20}{:>12}{:>8}{:>7}{:>12}{}\n", i, padRight(name, 28),
                         sizeText(p.part->size), metresText(std::max({p.voxel.x, p.voxel.y, p.voxel.z})),
                         p.part->levels, p.part->knots.size(), bytesText(p.stored()),

@@ -167,15 +167,17 @@ std::optional<std::uint64_t> Summary::rawBytes() const {
 }
 
 std::uint64_t Summary::voxels() const {
-  return std::accumulate(
-      parts.begin(), parts.end(), std::uint64_t{0},
-      [](std::uint64_t sum, const PartSummary& p) { return sum + denseCount(p.part->size); });
+  return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const PartSummary& p) {
+                           return sum + (p.levels.empty() ? 0 : denseCount(p.part->size));
+                         });
 }
 
 std::uint64_t Summary::surfaceVoxels() const {
   return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0},
                          [](std::uint64_t sum, const PartSummary& p) {
-                           return sum + (p.levels[0].counted ? p.levels[0].counted->surface : 0);
+                           const bool counted = !p.levels.empty() && p.levels[0].counted;
+                           return sum + (counted ? p.levels[0].counted->surface : 0);
                          });
 }
 

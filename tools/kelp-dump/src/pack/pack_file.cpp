@@ -75,10 +75,21 @@ std::uint32_t PackFile::findPart(const std::string& wanted) {
 
 std::uint32_t PackFile::partOrFirst(const std::string& wanted) {
   if (!wanted.empty()) return findPart(wanted);
-  if (const std::span<const Part> parts = pack().parts(); parts.size() > 1)
-    say("{}: has {} parts, this is part 0 '{}'; choose another with --part", path_, parts.size(),
-        nameText(parts[0].name));
-  return 0;
+  const std::span<const Part> parts = pack().parts();
+  std::uint32_t first = 0;  // that has voxels; one has
+  while (parts[first].kind == PartKind::kEmpty) ++first;
+  if (parts.size() > 1)
+    say("{}: has {} parts, this is part {} '{}'; choose another with --part", path_, parts.size(), first,
+        nameText(parts[first].name));
+  return first;
+}
+
+std::uint32_t PackFile::findVoxels(const std::string& wanted) {
+  const std::uint32_t part = partOrFirst(wanted);
+  if (pack().parts()[part].kind == PartKind::kEmpty)
+    throw ToolError(Exit::kUsage, fmt::format("{}: part {} '{}' is empty; choose one that has voxels", path_,
+                                              part, nameText(pack().parts()[part].name)));
+  return part;
 }
 
 void PackFile::fail(const Error& error, const std::string& where) const { failPack(path_, error, where); }

@@ -30,8 +30,11 @@ class PackFile {
   // The part with this name, or else with this index. If there is none, ToolError kUsage that lists the
   // parts.
   std::uint32_t findPart(const std::string& wanted);
-  // As findPart. If `wanted` is empty: the first part, with a note on stderr if there are others.
+  // As findPart. If `wanted` is empty: the first part that has voxels, with a note on stderr if there are
+  // others.
   std::uint32_t partOrFirst(const std::string& wanted);
+  // As partOrFirst. ToolError kUsage for an empty part.
+  std::uint32_t findVoxels(const std::string& wanted);
   // Closes the file. Nothing can be read any more.
   void close() {
     pack_.reset();

@@ -58,7 +58,7 @@ class DeepCheck {
         unsound[static_cast<std::size_t>(f.part)] = true;
     }
     for (std::size_t p = 0; p < pack_.parts().size(); ++p) {
-      if (unsound[p]) continue;
+      if (unsound[p] || pack_.parts()[p].kind == PartKind::kEmpty) continue;
       requireMemoryFor(static_cast<int>(p));
       if (pack_.parts()[p].fog)
         checkFogDeeply(file_, static_cast<int>(p), threads_, report_);

@@ -20,6 +20,7 @@ void drawSizes(const Model& model) {
   const std::span<const Part> parts = model.asset().pack().parts();
   for (int i = 0; i < static_cast<int>(parts.size()); ++i) {
     const Part& part = parts[static_cast<std::size_t>(i)];
+    if (part.kind == PartKind::kEmpty) continue;
     ImGui::Text("%.*s: %d x %d x %d, level %d of 0..%d", static_cast<int>(part.name.size()), part.name.data(),
                 part.size.x, part.size.y, part.size.z, model.asset().residentLevel(i), part.levels - 1);
   }

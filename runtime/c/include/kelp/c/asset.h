@@ -104,18 +104,18 @@ typedef struct kelp_knot {
 } kelp_knot;
 
 typedef int32_t kelp_part_kind;
-enum { KELP_PART_SOLID = 0, KELP_PART_FOG = 1 };
+enum { KELP_PART_SOLID = 0, KELP_PART_FOG = 1, KELP_PART_EMPTY = 2 };
 typedef int32_t kelp_bend;
 enum { KELP_BEND_SHEAR = 0, KELP_BEND_SWEEP = 1 };
 
-// A volume of voxels with one rig. Pointers are valid as long as the asset.
+// A volume of voxels with one rig, or a rig alone. Pointers are valid as long as the asset.
 typedef struct kelp_part {
   uint32_t struct_size;
   int32_t parent;  // index of an earlier part, whose motion this part follows, or KELP_NONE
   kelp_text name;
   kelp_part_kind kind;
   kelp_bend bend;
-  int32_t levels;
+  int32_t levels;               // 0 of an empty part
   int32_t distance_levels;      // 0: no distances
   int32_t size[3];              // voxels of the finest level; +y along the spline
   float to_object[16];          // those voxels -> meters, at rest

@@ -49,8 +49,8 @@ struct Report {
     bool fog = false;
     std::uint64_t fog_voxels = 0;  // with density above 0; a fog part has no solid_voxels
     bool closed = false;
-    bool carrier = false;  // has no voxels, only motion
-    MeshCounts mesh;       // zeros for volumes
+    bool empty = false;  // has no voxels, only motion
+    MeshCounts mesh;     // zeros for volumes
     FillCounts repairs;
     std::string parent;                          // the part it follows; empty: none
     float parent_at = kelp::Part::kNotOnSpline;  // where on that part's spline it hangs

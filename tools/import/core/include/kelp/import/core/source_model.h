@@ -148,13 +148,14 @@ struct SourcePart {
   std::string rig_origin;
   TriangleSoup soup;               // empty if grid or fog is set
   std::optional<SourceSkin> skin;  // the soup bends by joints: the part becomes several
-  std::optional<VoxelGrid> grid;   // from a volume file, already in the rig's frame
-  std::optional<FogGrid> fog;      // likewise; never both
-  // exists only for its motion, which other parts follow; `grid` is one invisible voxel
-  bool carrier = false;
-  bool carries = false;  // another part hangs on its spline
+  // From a volume file, already in the rig's frame. Without `solid`, the part is empty: it has a size and a
+  // place, and moves the parts that follow it.
+  std::optional<VoxelGrid> grid;
+  std::optional<FogGrid> fog;  // likewise; never both
+  bool carries = false;        // another part hangs on its spline
 
   bool isVolume() const { return grid || fog; }
+  bool isEmpty() const { return grid && grid->solid.empty(); }
   // Of volumes.
   const glm::ivec3& volumeSize() const { return grid ? grid->size : fog->size; }
   const glm::mat4x3& volumeToNode() const { return grid ? grid->to_node : fog->to_node; }
