@@ -118,9 +118,6 @@ bool isIndexType(int type) {
 const tinygltf::Accessor& findAccessor(const GltfModel& model, int index, const std::string& user) {
   if (index < 0 || index >= static_cast<int>(model.data.accessors.size()))
     model.refuse(user, "names accessor " + std::to_string(index) + ", which does not exist");
-  if (model.document.unknown_accessors.count(index) > 0)
-    model.refuse(placeOf("accessors", static_cast<std::size_t>(index)),
-                 "has a type that glTF 2.0 does not have, and " + user + " reads it");
   return model.data.accessors[static_cast<std::size_t>(index)];
 }
 
@@ -173,12 +170,9 @@ std::span<const std::uint8_t> readView(const GltfModel& model, int view_index, c
     model.refuse(user, "names a bufferView that does not exist");
   const tinygltf::BufferView& view = model.data.bufferViews[static_cast<std::size_t>(view_index)];
   const std::string place = placeOf("bufferViews", static_cast<std::size_t>(view_index));
-  if (view.buffer < 0 || view.buffer >= static_cast<int>(model.document.buffers.size()))
+  if (view.buffer < 0 || view.buffer >= static_cast<int>(model.buffers->size()))
     model.refuse(place, "names a buffer that does not exist");
-  if (const auto missing = model.document.missing.find(static_cast<std::size_t>(view.buffer));
-      missing != model.document.missing.end())
-    throw missing->second;
-  const std::span<const std::uint8_t> bytes = model.document.buffers[static_cast<std::size_t>(view.buffer)];
+  const std::span<const std::uint8_t> bytes = model.buffers->read(static_cast<std::size_t>(view.buffer));
   if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset)
     model.refuse(place, "reaches beyond buffers[" + std::to_string(view.buffer) + "] (" +
                             std::to_string(bytes.size()) + " bytes)");
@@ -213,10 +207,10 @@ GltfValues readValues(const GltfModel& model, int index, const std::string& user
   return out;
 }
 
-bool isDraco(const GltfModel& model, int accessor) { return model.document.steps.contains(accessor); }
+bool isDraco(const GltfModel& model, int accessor) { return model.draco_steps.contains(accessor); }
 
 float stepOf(const GltfModel& model, int index) {
-  if (const auto found = model.document.steps.find(index); found != model.document.steps.end())
+  if (const auto found = model.draco_steps.find(index); found != model.draco_steps.end())
     return found->second;
   const tinygltf::Accessor& accessor = model.data.accessors[static_cast<std::size_t>(index)];
   const bool fraction = accessor.normalized;

@@ -2,50 +2,22 @@
 #include "gltf_document.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
+#include <climits>
 #include <cmath>
-#include <cstring>
-#include <optional>
-#include <span>
 #include <string_view>
 
-#include "gltf_json.h"
+#include <nlohmann/json.hpp>
+
+#include "kelp/common/error.h"
 #include "kelp/common/json_depth.h"
 
 namespace kelp::bake {
 namespace {
 
+using Json = nlohmann::json;
+
 constexpr std::size_t kMaxJsonBytes = std::size_t{256} << 20;
 constexpr int kMaxDepth = 64;  // real files stay below 20
-
-// Extensions that this importer reads, or that change only what kelp does not bake.
-constexpr std::array<std::string_view, 24> kKnownExtensions = {
-    "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    "EXT_texture_webp",
-    "KHR_texture_basisu",  // by the plain pictures beside it; import_gltf_image refuses what has none
-    "KHR_lights_punctual",
-    "KHR_materials_diffuse_transmission",
-    "EXT_mesh_manifold",
-    "KHR_materials_unlit",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_clearcoat",
-    "KHR_materials_ior",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_volume",
-    "KHR_materials_anisotropy",
-    "KHR_materials_iridescence",
-    "KHR_materials_dispersion",
-    "KHR_materials_variants",
-    "KHR_animation_pointer",
-    "KHR_xmp_json_ld"};
-
 constexpr std::uint32_t kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
 
 std::uint32_t readU32(std::span<const std::uint8_t> bytes, std::size_t at) {
@@ -53,57 +25,40 @@ std::uint32_t readU32(std::span<const std::uint8_t> bytes, std::size_t at) {
          static_cast<std::uint32_t>(bytes[at + 2]) << 16 | static_cast<std::uint32_t>(bytes[at + 3]) << 24;
 }
 
-struct Container {
-  std::string_view json;
-  GltfBinary binary;
-  std::vector<std::string> flaws;
-};
-
 // glTF 2.0 specification, section 4.4: 12-byte header, then chunks {length, type, data}; the first is JSON,
-// the second may be BIN.
-Container openBinary(const InputFiles& files, std::span<const std::uint8_t> bytes) {
+// the second may be BIN. Returns the JSON.
+std::string_view openBinary(const InputFiles& files, std::span<const std::uint8_t> bytes,
+                            std::optional<std::span<const std::uint8_t>>& bin) {
+  const auto fail = [&](Exit code, const char* place, const std::string& what) {
+    refuse(code, files.input(), place, what);
+  };
   if (bytes.size() < 12)
-    refuse(Exit::kInvalid, files.input(), "header",
-           "the file ends inside the 12-byte GLB header; it is truncated");
+    fail(Exit::kInvalid, "header", "the file ends inside the 12-byte GLB header; it is truncated");
   const std::uint32_t version = readU32(bytes, 4);
-  if (version == 0)
-    refuse(Exit::kInvalid, files.input(), "header",
-           "has the GLB version 0, which does not exist; export the model again");
   if (version != 2)
-    refuse(Exit::kUnsupported, files.input(), "header",
-           "is GLB version " + std::to_string(version) + "; export it as glTF 2.0");
+    fail(version == 0 ? Exit::kInvalid : Exit::kUnsupported, "header",
+         "is GLB version " + std::to_string(version) + "; export it as glTF 2.0");
   const std::uint64_t length = readU32(bytes, 8);
   if (length > bytes.size())
-    refuse(Exit::kInvalid, files.input(), "header",
-           "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes.size()) +
-               "; it is truncated");
-  Container container;
-  container.binary.is_glb = true;
+    fail(Exit::kInvalid, "header",
+         "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes.size()) +
+             "; it is truncated");
+  std::string_view json;
   std::size_t at = 12;
-  for (int index = 0; at + 8 <= length; ++index) {
+  for (int index = 0; index < 2 && at + 8 <= length; ++index) {
     const std::uint64_t size = readU32(bytes, at);
     const std::uint32_t type = readU32(bytes, at + 4);
-    const std::string place = "chunk " + std::to_string(index);
-    if (size > length - at - 8)
-      refuse(Exit::kInvalid, files.input(), place, "is longer than the file; it is truncated");
+    const char* const place = index == 0 ? "chunk 0" : "chunk 1";
+    if (size > length - at - 8) fail(Exit::kInvalid, place, "is longer than the file; it is truncated");
     const auto data = bytes.subspan(at + 8, static_cast<std::size_t>(size));
-    if (index == 0) {
-      if (type != kJsonChunk)
-        refuse(Exit::kInvalid, files.input(), place, "is not the JSON chunk that must come first");
-      container.json = {reinterpret_cast<const char*>(data.data()), data.size()};
-    } else if (type == kBinChunk && index == 1) {
-      container.binary.chunk = data;
-    } else if (type == kJsonChunk || type == kBinChunk) {
-      container.flaws.push_back(place +
-                                ": is a second JSON or BIN chunk, or out of its place, and is ignored");
-    }
-    if (size % 4 != 0) container.flaws.push_back(place + ": has a length that is not a multiple of four");
+    if (index == 0 && type != kJsonChunk)
+      fail(Exit::kInvalid, place, "is not the JSON chunk that must come first");
+    if (index == 0) json = {reinterpret_cast<const char*>(data.data()), data.size()};
+    if (index == 1 && type == kBinChunk) bin = data;
     at += 8 + static_cast<std::size_t>(size);
   }
-  if (at < length) container.flaws.push_back("GLB: ends inside the header of a chunk, which is ignored");
-  if (container.json.empty())
-    refuse(Exit::kInvalid, files.input(), "chunk 0", "there is no JSON; the file is truncated or not a GLB");
-  return container;
+  if (json.empty()) fail(Exit::kInvalid, "chunk 0", "there is no JSON; the file is truncated or not a GLB");
+  return json;
 }
 
 Json parseJson(const InputFiles& files, std::string_view text) {
@@ -111,9 +66,11 @@ Json parseJson(const InputFiles& files, std::string_view text) {
     refuse(Exit::kUnsupported, files.input(), "JSON", "is larger than 256 MiB; use buffers for data");
   if (nestedDeeper(text, kMaxDepth))
     refuse(Exit::kInvalid, files.input(), "JSON", "is nested deeper than 64 levels; no glTF needs that");
-  Json root;
   try {
-    root = Json::parse(text);
+    Json root = Json::parse(text);
+    if (!root.is_object())
+      refuse(Exit::kInvalid, files.input(), "JSON", "is not an object; this is not a glTF file");
+    return root;
   } catch (const Json::parse_error& error) {
     const std::string_view before = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
     if (before.size() >= text.size())
@@ -128,149 +85,6 @@ Json parseJson(const InputFiles& files, std::string_view text) {
     refuse(Exit::kInvalid, files.input(), "JSON",
            "holds a number beyond all bounds; repair it or export the model again");
   }
-  if (!root.is_object())
-    refuse(Exit::kInvalid, files.input(), "JSON", "is not an object; this is not a glTF file");
-  return root;
-}
-
-bool isKnownExtension(std::string_view name) {
-  return std::find(kKnownExtensions.begin(), kKnownExtensions.end(), name) != kKnownExtensions.end();
-}
-
-// "<major>.<minor>". Any other text asks for nothing.
-bool isAbove20(std::string_view version) {
-  const std::size_t dot = std::min(version.find('.'), version.size());
-  const auto number = [](std::string_view text) {
-    int value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    return error == std::errc::result_out_of_range ? 1 << 30 : value;
-  };
-  const int major = number(version.substr(0, dot)),
-            minor = number(version.substr(std::min(dot + 1, version.size())));
-  return major > 2 || (major == 2 && minor > 0);
-}
-
-void checkVersionAndExtensions(const InputFiles& files, const Json& root) {
-  const auto asset = root.find("asset");
-  if (asset == root.end() || !asset->is_object() || !asset->contains("version") ||
-      !(*asset)["version"].is_string())
-    refuse(Exit::kInvalid, files.input(), "asset", "has no version; this is not a glTF 2.0 file");
-  const std::string version = (*asset)["version"];
-  if (version.rfind("2.", 0) != 0)
-    refuse(Exit::kUnsupported, files.input(), "asset",
-           "is glTF " + oneLine(version, 20) + "; export it as glTF 2.0");
-  if (const auto least = asset->find("minVersion");
-      least != asset->end() && least->is_string() && isAbove20(least->get_ref<const std::string&>()))
-    refuse(Exit::kUnsupported, files.input(), "asset",
-           "needs a reader of glTF " + oneLine(least->get_ref<const std::string&>(), 20) +
-               " (minVersion); export it as glTF 2.0");
-  const auto required = root.find("extensionsRequired");
-  if (required == root.end()) return;
-  if (!required->is_array()) refuse(Exit::kInvalid, files.input(), "extensionsRequired", "is not an array");
-  for (const Json& name : *required) {
-    if (!name.is_string())
-      refuse(Exit::kInvalid, files.input(), "extensionsRequired", "has an element that is not a string");
-    const std::string text = name;
-    if (!isKnownExtension(text))
-      refuse(Exit::kUnsupported, files.input(), "extensionsRequired",
-             "the file needs the extension '" + oneLine(text, 80) +
-                 "', which kelp does not read; export without it");
-  }
-}
-
-// The names in every `extensions`, declared or not. The depth was bounded before.
-void listExtensions(const Json& value, std::set<std::string>& names) {
-  for (const auto& [key, member] : value.items()) {
-    if (value.is_object() && key == "extensions" && member.is_object())
-      for (const auto& [name, content] : member.items()) names.insert(name);
-    if (member.is_structured() && key != "extras") listExtensions(member, names);
-  }
-}
-
-// Unknown extensions that are used and not required may have placed or shaped meshes: one notice for all.
-void noteUnknownExtensions(const Json& root, std::vector<std::string>& notices) {
-  constexpr std::size_t kShown = 8;
-  std::set<std::string> names;
-  listExtensions(root, names);
-  if (const auto used = root.find("extensionsUsed"); used != root.end() && used->is_array())
-    for (const Json& name : *used)
-      if (name.is_string()) names.insert(name.get<std::string>());
-  std::erase_if(names, [](const std::string& name) { return isKnownExtension(name); });
-  if (names.empty()) return;
-  std::string list;
-  std::size_t shown = 0;
-  for (const std::string& name : names) {
-    if (++shown > kShown) break;
-    list += (list.empty() ? "" : ", ") + oneLine(name, 40) +
-            (name == "EXT_mesh_gpu_instancing" ? " (each mesh is baked once)" : "");
-  }
-  if (names.size() > kShown) list += " and " + std::to_string(names.size() - kShown) + " more";
-  notices.push_back("extensions that kelp does not know are ignored: " + list +
-                    "; if they place, hide or shape meshes, export without them");
-}
-
-// The members of an array; none of anything else.
-const Json::array_t& membersOf(const Json& object, const char* name) {
-  static const Json::array_t kNone;
-  const auto found = object.is_object() ? object.find(name) : object.end();
-  return object.is_object() && found != object.end() && found->is_array()
-             ? found->get_ref<const Json::array_t&>()
-             : kNone;
-}
-
-// Counted here, because tinygltf skips channels without a node.
-void notePointers(const Json& root, std::vector<std::string>& notices) {
-  std::size_t pointers = 0;
-  for (const Json& animation : membersOf(root, "animations"))
-    for (const Json& channel : membersOf(animation, "channels"))
-      pointers += channel.is_object() && channel.contains("target") && channel["target"].is_object() &&
-                  channel["target"].contains("path") && channel["target"]["path"] == "pointer";
-  if (pointers > 0)
-    notices.push_back(
-        std::to_string(pointers) + (pointers == 1 ? " animation channel is" : " animation channels are") +
-        " left out: KHR_animation_pointer is not read; animate translation, rotation and scale of nodes");
-}
-
-std::vector<GltfDocument::ImageSource> listImages(const InputFiles& files, Json& root) {
-  std::vector<GltfDocument::ImageSource> images;
-  for (Json& image : objects(files, root, "images")) {
-    const std::string place = placeOf("images", images.size());
-    GltfDocument::ImageSource source;
-    if (image.contains("name") && image["name"].is_string()) source.name = image["name"];
-    if (image.contains("uri") && image["uri"].is_string()) source.uri = image["uri"];
-    if (source.uri.empty()) {
-      const std::uint64_t view = wholeNumber(files, image, "bufferView", 0x7fffffff, place);
-      source.buffer_view = static_cast<int>(std::min<std::uint64_t>(view, 0x7fffffff));
-    }
-    images.push_back(std::move(source));
-  }
-  return images;
-}
-
-// The rig in an object's extras.
-std::optional<std::string> rigOf(const Json& object) {
-  const auto extras = object.find("extras");
-  if (extras == object.end() || !extras->is_object()) return std::nullopt;
-  const auto kelp = extras->find("kelp");
-  if (kelp == extras->end()) return std::nullopt;
-  // Blender's custom properties hold the rig as a string, hand-written files as an object. Both have the
-  // rules of *.rig.json.
-  if (kelp->is_string()) return kelp->get<std::string>();
-  const Json& rig = kelp->is_object() ? *kelp : *extras;  // extras may be the rig itself: {"kelp": 1, ...}
-  return rig.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-// Searches the whole document, so that no rig is ignored without a notice. The depth was bounded before.
-void listRigs(const Json& value, const std::string& place, std::map<std::string, std::string>& rigs) {
-  if (value.is_array()) {
-    for (std::size_t i = 0; i < value.size(); ++i)
-      if (value[i].is_structured()) listRigs(value[i], placeOf(place, i), rigs);
-  } else if (value.is_object()) {
-    if (std::optional<std::string> rig = rigOf(value)) rigs.emplace(place, *std::move(rig));
-    for (const auto& [key, member] : value.items())
-      if (key != "extras" && member.is_structured())
-        listRigs(member, place.empty() ? oneLine(key, 60) : place + "." + oneLine(key, 60), rigs);
-  }
 }
 
 // JSON has one kind of number, tinygltf two: 12.0 becomes 12. The depth was bounded before.
@@ -283,78 +97,165 @@ void wholeFloatsToIntegers(Json& value) {
   }
 }
 
+// The objects of an array; none of anything else.
+std::vector<Json*> objectsOf(Json& parent, const char* name) {
+  std::vector<Json*> out;
+  const auto found = parent.find(name);
+  if (found == parent.end() || !found->is_array()) return out;
+  for (Json& member : *found)
+    if (member.is_object()) out.push_back(&member);
+  return out;
+}
+
+// -1 for anything but a whole number from 0.
+std::int64_t wholeNumber(const Json& object, const char* name) {
+  const auto found = object.find(name);
+  const bool whole = found != object.end() && found->is_number_integer();
+  return whole ? std::max(found->get<std::int64_t>(), std::int64_t{-1}) : -1;
+}
+
+// Takes an array of buffers or images out of the document. A member that is no object keeps its place.
+std::vector<GltfDocument::Source> takeSources(Json& root, const char* name) {
+  std::vector<GltfDocument::Source> out;
+  const auto found = root.find(name);
+  if (found == root.end()) return out;
+  for (std::size_t i = 0; found->is_array() && i < found->size(); ++i) {
+    Json& member = (*found)[i];
+    GltfDocument::Source& source = out.emplace_back();
+    if (!member.is_object()) continue;
+    const auto text = [&](const char* key) {
+      const auto value = member.find(key);
+      return value != member.end() ? value->get_ptr<std::string*>() : nullptr;
+    };
+    if (const std::string* const given = text("name")) source.name = *given;
+    if (std::string* const uri = text("uri"))
+      source.uri = std::move(*uri);
+    else
+      source.buffer_view =
+          static_cast<int>(std::min<std::int64_t>(wholeNumber(member, "bufferView"), INT_MAX));
+    source.length = static_cast<std::uint64_t>(std::max<std::int64_t>(wholeNumber(member, "byteLength"), 0));
+  }
+  root.erase(found);
+  return out;
+}
+
+// tinygltf 2.7 refuses indices without bytes, as Draco's are.
+void dropDracoIndices(Json& root) {
+  for (Json* mesh : objectsOf(root, "meshes"))
+    for (Json* primitive : objectsOf(*mesh, "primitives"))
+      if (const auto extensions = primitive->find("extensions");
+          extensions != primitive->end() && extensions->is_object() &&
+          extensions->contains("KHR_draco_mesh_compression"))
+        primitive->erase("indices");
+}
+
+int base64Digit(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+' || c == '-') return 62;
+  if (c == '/' || c == '_') return 63;
+  return -1;
+}
+
 }  // namespace
 
-Json& objects(const InputFiles& files, Json& parent, const char* name, const std::string& where) {
-  Json& array = parent[name];
-  const std::string place = where.empty() ? name : where + "." + name;
-  if (array.is_null()) array = Json::array();
-  if (!array.is_array()) refuse(Exit::kInvalid, files.input(), place, "is not an array");
-  for (std::size_t i = 0; i < array.size(); ++i)
-    if (!array[i].is_object()) refuse(Exit::kInvalid, files.input(), placeOf(place, i), "is not an object");
-  return array;
-}
-
-std::uint64_t wholeNumber(const InputFiles& files, const Json& object, const char* name,
-                          std::uint64_t fallback, const std::string& place) {
-  const auto member = object.find(name);
-  if (member == object.end()) return fallback;
-  if (member->is_number_unsigned()) return member->get<std::uint64_t>();
-  // Some exporters write 12.0: any whole number is accepted.
-  if (member->is_number_float()) {
-    const double value = *member;
-    if (value >= 0 && value < 9e15 && value == static_cast<double>(static_cast<std::uint64_t>(value)))
-      return static_cast<std::uint64_t>(value);
-  }
-  refuse(Exit::kInvalid, files.input(), place, std::string(name) + " is not a whole number of at least 0");
-}
-
-Json* extension(Json& object, const char* name) {
-  const auto extensions = object.find("extensions");
-  if (extensions == object.end() || !extensions->is_object()) return nullptr;
-  const auto found = extensions->find(name);
-  return found != extensions->end() && found->is_object() ? &*found : nullptr;
-}
-
-GltfDocument readGltfDocument(const InputFiles& files, DataBudget& budget) {
-  std::vector<std::uint8_t> bytes = files.readInput();
-  if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty; export the model again");
-  Container container;
-  if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0) {
-    container = openBinary(files, bytes);
+GltfDocument readGltfDocument(const InputFiles& files) {
+  GltfDocument document;
+  document.file = files.readInput();
+  const std::string_view text(reinterpret_cast<const char*>(document.file.data()), document.file.size());
+  if (text.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty; export the model again");
+  std::string_view json = text;
+  if (text.starts_with("glTF")) {
+    json = openBinary(files, document.file, document.bin);
   } else {
-    const bool mark = bytes.size() >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf;
-    std::size_t first = mark ? 3 : 0;
-    while (first < bytes.size() && std::strchr(" \t\r\n", bytes[first]) && bytes[first]) ++first;
-    if (first == bytes.size() || bytes[first] != '{')
+    constexpr std::string_view kMark = "\xef\xbb\xbf";  // of UTF-8, which some editors write
+    const std::size_t first = text.find_first_not_of(" \t\r\n", text.starts_with(kMark) ? kMark.size() : 0);
+    if (first == std::string_view::npos || text[first] != '{')
       refuse(Exit::kInvalid, files.input(), "",
              "does not look like glTF (neither JSON nor the GLB signature); check the file's type");
-    container.json = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
-  GltfDocument document;
-  document.flaws = std::move(container.flaws);
-  constexpr std::string_view kMark = "\xef\xbb\xbf";  // of UTF-8, which some editors write
-  if (container.json.substr(0, kMark.size()) == kMark) {
-    document.flaws.push_back("JSON: begins with a byte order mark, which glTF does not have");
-    container.json.remove_prefix(kMark.size());
-  }
-  Json root = parseJson(files, container.json);
-  checkVersionAndExtensions(files, root);
-  noteUnknownExtensions(root, document.notices);
-  notePointers(root, document.notices);
-  for (std::string& flaw : findFlaws(root)) document.flaws.push_back(std::move(flaw));
-  document.unknown_accessors = hideUnknownAccessors(root);
-  loadBuffers(files, root, container.binary, budget, document);
-  if (container.binary.chunk) document.contents.push_back(std::move(bytes));  // its place stays
-  unpackMeshopt(files, root, budget, document);
-  unpackDraco(files, root, budget, document);
-  document.images = listImages(files, root);
-  listRigs(root, "", document.rigs);
-  root.erase("buffers");
-  root.erase("images");
+  Json root = parseJson(files, json);
   wholeFloatsToIntegers(root);
+  document.buffers = takeSources(root, "buffers");
+  document.images = takeSources(root, "images");
+  dropDracoIndices(root);
   document.json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
   return document;
+}
+
+std::vector<std::uint8_t> decodeDataUri(const InputFiles& files, const std::string& uri,
+                                        const std::string& place) {
+  const std::size_t comma = uri.find(',');
+  if (comma == std::string::npos || comma > 256)
+    refuse(Exit::kInvalid, files.input(), place, "has a data URI without data");
+  std::vector<std::uint8_t> bytes;
+  if (uri.find(";base64") > comma) {
+    const std::optional<std::string> text = percentDecode(std::string_view(uri).substr(comma + 1));
+    if (!text) refuse(Exit::kInvalid, files.input(), place, "has a data URI with a broken percent encoding");
+    bytes.assign(text->begin(), text->end());
+    return bytes;
+  }
+  bytes.reserve((uri.size() - comma) / 4 * 3);
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (std::size_t i = comma + 1; i < uri.size(); ++i) {
+    if (uri[i] == '=') break;
+    const int digit = base64Digit(uri[i]);
+    if (digit < 0)
+      refuse(Exit::kInvalid, files.input(), place, "has a data URI with a character that is not base64");
+    bits = bits << 6 | static_cast<std::uint32_t>(digit);
+    count += 6;
+    if (count >= 8) {
+      count -= 8;
+      bytes.push_back(static_cast<std::uint8_t>(bits >> count & 0xff));
+    }
+  }
+  return bytes;
+}
+
+GltfBuffers::GltfBuffers(const InputFiles& files, GltfDocument& document, DataBudget& budget)
+    : files_(files), budget_(budget), glb_(std::move(document.file)), bin_(document.bin) {
+  for (GltfDocument::Source& source : document.buffers) buffers_.push_back({std::move(source), std::nullopt});
+}
+
+std::span<const std::uint8_t> GltfBuffers::read(std::size_t index) {
+  Buffer& buffer = buffers_[index];
+  if (buffer.bytes) return *buffer.bytes;
+  const std::string place = placeOf("buffers", index);
+  const Bytes bytes = load(buffer.source, index, place);
+  if (!bytes.empty() && bytes.size() < buffer.source.length)
+    refuse(Exit::kInvalid, files_.input(), place,
+           "declares " + std::to_string(buffer.source.length) + " bytes but has " +
+               std::to_string(bytes.size()) + "; the file is truncated");
+  buffer.bytes = bytes.first(std::min<std::size_t>(bytes.size(), buffer.source.length));
+  return *buffer.bytes;
+}
+
+GltfBuffers::Bytes GltfBuffers::load(const GltfDocument::Source& source, std::size_t index,
+                                     const std::string& place) {
+  if (!source.uri) return index == 0 && bin_ ? *bin_ : Bytes();
+  if (isDataUri(*source.uri)) return keep(decodeDataUri(files_, *source.uri, place), place);
+  try {
+    const std::filesystem::path path = files_.resolve(*source.uri, InputFiles::Reference::kUri);
+    const auto found = files_read_.find(path);
+    return found != files_read_.end()
+               ? found->second
+               : files_read_.emplace(path, keep(files_.readFile(path), place)).first->second;
+  } catch (const ToolError& error) {
+    if (isOfTheMachine(error)) throw;
+    throw inPlace(files_, place, error);
+  }
+}
+
+GltfBuffers::Bytes GltfBuffers::keep(std::vector<std::uint8_t> bytes, const std::string& place) {
+  budget_.take(bytes.size(), place);
+  return contents_.emplace_back(std::move(bytes));
+}
+
+std::size_t GltfBuffers::add(std::vector<std::uint8_t> bytes, const std::string& place) {
+  buffers_.push_back({{}, keep(std::move(bytes), place)});
+  return buffers_.size() - 1;
 }
 
 }  // namespace kelp::bake

@@ -69,30 +69,31 @@ const Image* GltfImages::image(int index, const std::string& place) {
 }
 
 Image GltfImages::decode(std::size_t index) {
-  const GltfDocument::ImageSource& source = model_.document.images[index];
+  const GltfDocument::Source& source = model_.images[index];
+  const std::string uri = source.uri.value_or("");
   const std::string place = placeOf("images", index);
-  const bool data_uri = isDataUri(source.uri);
+  const bool data_uri = isDataUri(uri);
   try {
     std::vector<std::uint8_t> owned;
     std::span<const std::uint8_t> bytes;
     if (source.buffer_view >= 0) {
       bytes = readView(model_, source.buffer_view, place);
     } else {
-      owned = data_uri ? decodeDataUri(*model_.files, source.uri, place)
-                       : model_.files->readReference(source.uri, InputFiles::Reference::kUri);
+      owned = data_uri ? decodeDataUri(*model_.files, uri, place)
+                       : model_.files->readReference(uri, InputFiles::Reference::kUri);
       bytes = owned;
     }
     budget_.take(imageSize(bytes), place);
-    auto image = decodeImage(bytes, source.name.empty() && !data_uri ? source.uri : source.name);
+    auto image = decodeImage(bytes, source.name.empty() && !data_uri ? uri : source.name);
     if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
     model_.note(place + ": " + std::get<std::string>(image) + ": the colour factor alone is used");
   } catch (const ToolError& error) {
     // A path that leaves the folder is refused. The model is baked without a picture that is on the web or
     // damaged.
     if (isOfTheMachine(error)) throw;
-    const bool is_reference = !source.uri.empty() && !data_uri;
+    const bool is_reference = !uri.empty() && !data_uri;
     const ToolError placed = is_reference ? inPlace(*model_.files, place, error) : error;
-    if (error.exit == Exit::kInvalid && is_reference && !isOnTheWeb(source.uri)) throw placed;
+    if (error.exit == Exit::kInvalid && is_reference && !isOnTheWeb(uri)) throw placed;
     model_.note(std::string(placed.what()) + ": the colour factor alone is used");
   }
   return {};

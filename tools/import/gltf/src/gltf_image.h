@@ -14,7 +14,7 @@ namespace kelp::bake {
 class GltfImages {
  public:
   explicit GltfImages(const GltfModel& model)
-      : model_(model), decoded_(model.document.images.size()), budget_(*model.files, model.max_memory) {}
+      : model_(model), decoded_(model.images.size()), budget_(*model.files, model.max_memory) {}
 
   // The picture of a texture: that of EXT_texture_webp if there is one, else the plain one. Null, with one
   // notice, if it is missing or damaged: the model is baked without it. Errors: pictures outside the input's

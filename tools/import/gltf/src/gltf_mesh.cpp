@@ -351,9 +351,6 @@ void explainEmptiness(const GltfModel& model) {
                " is below the cutoff of alphaMode MASK everywhere; raise the alpha, or lower alphaCutoff");
   if (triangles)
     model.refuse("scene", "holds no triangles" + last + "; export a scene with at least one mesh");
-  if (!model.document.flaws.empty())
-    model.refuse("",
-                 model.document.flaws[0] + "; there is nothing to bake in it either: export the model again");
   if (meshes)
     refuse(Exit::kUnsupported, model.files->input(), "scene",
            "holds no triangles" + last + "; export a scene with at least one mesh of triangles");

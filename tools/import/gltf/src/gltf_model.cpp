@@ -2,6 +2,7 @@
 #include "gltf_model.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>  // tinygltf's writer needs it and does not include it
@@ -27,6 +28,86 @@ std::string without(const std::string& text, std::string_view part) {
   for (std::size_t at; (at = text.find(part, begin)) != std::string::npos; begin = at + part.size())
     out.append(text, begin, at - begin);
   return out.append(text, begin);
+}
+
+// Extensions that this importer reads, or that change only what kelp does not bake.
+constexpr std::array<std::string_view, 23> kKnownExtensions = {
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "EXT_texture_webp",
+    "KHR_texture_basisu",  // by the plain pictures beside it; GltfImages refuses what has none
+    "KHR_lights_punctual",
+    "KHR_materials_diffuse_transmission",
+    "EXT_mesh_manifold",
+    "KHR_materials_unlit",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_clearcoat",
+    "KHR_materials_ior",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    "KHR_materials_anisotropy",
+    "KHR_materials_iridescence",
+    "KHR_materials_dispersion",
+    "KHR_materials_variants",
+    "KHR_xmp_json_ld"};
+constexpr std::string_view kPointers = "KHR_animation_pointer";
+
+// "<major>.<minor>". Any other text asks for nothing.
+bool isAbove20(std::string_view version) {
+  const std::size_t dot = std::min(version.find('.'), version.size());
+  const auto number = [](std::string_view text) {
+    int value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc::result_out_of_range ? 1 << 30 : value;
+  };
+  const int major = number(version.substr(0, dot)),
+            minor = number(version.substr(std::min(dot + 1, version.size())));
+  return major > 2 || (major == 2 && minor > 0);
+}
+
+void checkVersion(const GltfModel& model) {
+  const tinygltf::Asset& asset = model.data.asset;
+  if (!asset.version.starts_with("2."))
+    refuse(Exit::kUnsupported, model.files->input(), "asset",
+           "is glTF " + oneLine(asset.version, 20) + "; export it as glTF 2.0");
+  if (isAbove20(asset.minVersion))
+    refuse(
+        Exit::kUnsupported, model.files->input(), "asset",
+        "needs a reader of glTF " + oneLine(asset.minVersion, 20) + " (minVersion); export it as glTF 2.0");
+}
+
+// Unknown extensions that are used and not required may have placed or shaped meshes: one notice for all.
+void checkExtensions(const GltfModel& model) {
+  constexpr std::size_t kShown = 8;
+  const auto isKnown = [](const std::string& name) {
+    return name == kPointers || std::ranges::find(kKnownExtensions, name) != kKnownExtensions.end();
+  };
+  for (const std::string& name : model.data.extensionsRequired)
+    if (!isKnown(name))
+      refuse(Exit::kUnsupported, model.files->input(), "extensionsRequired",
+             "the file needs the extension '" + oneLine(name, 80) +
+                 "', which kelp does not read; export without it");
+  std::set<std::string> names(model.data.extensionsUsed.begin(), model.data.extensionsUsed.end());
+  if (names.contains(std::string(kPointers)))
+    model.note(
+        "channels of KHR_animation_pointer are left out; animate translation, rotation and scale of "
+        "nodes");
+  std::erase_if(names, isKnown);
+  if (names.empty()) return;
+  std::string list;
+  std::size_t shown = 0;
+  for (const std::string& name : names)
+    if (shown++ < kShown)
+      list += (list.empty() ? "" : ", ") + oneLine(name, 40) +
+              (name == "EXT_mesh_gpu_instancing" ? " (each mesh is baked once)" : "");
+  if (names.size() > kShown) list += " and " + std::to_string(names.size() - kShown) + " more";
+  model.note("extensions that kelp does not know are ignored: " + list +
+             "; if they place, hide or shape meshes, export without them");
 }
 
 bool finite(const std::vector<double>& values) {
@@ -160,16 +241,23 @@ void GltfModel::countRead(std::uint64_t elements, const std::string& place) cons
                       "in pieces");
 }
 
-GltfModel parseGltf(const InputFiles& files, GltfDocument document, const std::optional<std::string>& scene,
-                    std::vector<std::string>& notices) {
+GltfModel readGltf(const InputFiles& files, DataBudget& budget, const std::optional<std::string>& scene,
+                   std::vector<std::string>& notices) {
+  GltfDocument document = readGltfDocument(files);
   GltfModel model;
   model.files = &files;
   model.notices = &notices;
+  model.max_memory = budget.maxMemory();
+  model.budget = &budget;
   tinygltf::TinyGLTF loader;
+  loader.SetStoreOriginalJSONForExtrasAndExtensions(true);  // rigs are read from extras
   std::string error, warning;
   if (!loader.LoadASCIIFromString(&model.data, &error, &warning, document.json.c_str(),
                                   static_cast<unsigned int>(document.json.size()), ""))
     model.refuse("JSON", "is not valid glTF: " + oneLine(error));
+  document.json = {};
+  checkVersion(model);
+  checkExtensions(model);
   // Faults for tinygltf that are none in the specification: a skin without matrices (they are the identity)
   // and a channel without a node (it belongs to an extension).
   for (const std::string_view optional :
@@ -177,10 +265,10 @@ GltfModel parseGltf(const InputFiles& files, GltfDocument document, const std::o
         "`node` field is missing in animation.channels.target\n"})
     error = without(error, optional);
   if (!error.empty() || !warning.empty()) model.note("JSON: " + oneLine(error + warning));
-  document.json = {};
-  for (const std::vector<std::string>* lines : {&document.flaws, &document.notices})
-    for (const std::string& line : *lines) model.note(line);
-  model.document = std::move(document);
+  model.images = std::move(document.images);
+  model.buffers = std::make_unique<GltfBuffers>(files, document, budget);
+  unpackMeshopt(model);
+  unpackDraco(model);
   model.scene = chooseScene(model, scene);
 
   const std::size_t count = model.data.nodes.size();

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -39,8 +40,11 @@ struct GltfTransform {
 
 struct GltfModel {
   const InputFiles* files = nullptr;
-  tinygltf::Model data;           // its buffers are filled, its images empty
-  GltfDocument document;          // images and rigs
+  tinygltf::Model data;  // without buffers and images, which are here:
+  std::unique_ptr<GltfBuffers> buffers;
+  std::vector<GltfDocument::Source> images;
+  // for accessors that Draco rounded: the distance between two neighbouring values
+  std::map<int, float> draco_steps;
   int scene = -1;                 // the scene to bake; -1: the file has none, and every node counts
   std::vector<int> parents;       // of each node, -1: a root
   std::vector<int> order;         // the nodes of the scene, parents before children
@@ -72,10 +76,14 @@ struct GltfModel {
   std::string nodeName(int node) const;
 };
 
-// Parses the document and checks the graph: node indices, one parent for each node, no cycles, meshes and
-// skins that exist. `scene` is an index or a name; absent: the file's default scene.
-GltfModel parseGltf(const InputFiles& files, GltfDocument document, const std::optional<std::string>& scene,
-                    std::vector<std::string>& notices);
+// Reads the file, unpacks what is compressed, and checks the graph: node indices, one parent for each node,
+// no cycles, meshes and skins that exist. `scene` is an index or a name; absent: the file's default scene.
+// ToolError for damaged files and for data beyond the budget. Safe for hostile input.
+GltfModel readGltf(const InputFiles& files, DataBudget& budget, const std::optional<std::string>& scene,
+                   std::vector<std::string>& notices);
+// EXT_meshopt_compression and KHR_draco_mesh_compression: decode into new buffers.
+void unpackMeshopt(GltfModel& model);
+void unpackDraco(GltfModel& model);
 
 // The rest transform of a node. `exact` becomes false for a matrix that is not a product of T, R and S.
 GltfTransform restTransform(const tinygltf::Node& node, bool* exact = nullptr);
@@ -107,7 +115,7 @@ struct GltfCoordinates {
   int set = 0;  // TEXCOORD_n
   glm::mat3 transform{1};
 };
-// What reading a primitive's UVs and colours needs from its material.
+// The part of a material that reading a primitive's UVs and colors needs.
 struct GltfMaterialUse {
   // for TriangleSoup::uvs and more_uvs, in this order; at most three
   std::vector<GltfCoordinates> coordinates;
@@ -223,5 +231,33 @@ std::optional<RigDescription> knotRig(const GltfModel& model, int node, const st
 void addClips(const GltfModel& model, int node, const std::vector<int>& knots, const TriangleSoup& soup,
               const std::string& part_name, const std::vector<GltfAnimation>& animations,
               const GltfChannelIndex& index, std::vector<std::vector<bool>>& used, RigDescription& rig);
+
+// The mesh along the axis of its rig, and how its empties are read.
+struct KnotExtent {
+  glm::dvec3 axis{0, 1, 0};
+  double low = 0, length = 1;
+  // the part is swept, and +Y of knot.0 lies along the axis: all empties were turned to be tangents, whatever
+  // way they point
+  bool any_way = false;
+};
+KnotExtent extentAlong(const GltfModel& model, const std::vector<int>& knots, const TriangleSoup& soup,
+                       const RigDescription& rig);
+
+// The direction in an empty's own frame that stands for its tangent: +Y. An empty whose +Y points away from
+// the axis was never turned to be a tangent: then it is the direction that lies along the axis at rest.
+// `turned`, which may be null, says which.
+glm::dvec3 tangentHandle(const GltfTransform& rest, const KnotExtent& extent, bool* turned = nullptr);
+glm::dvec3 tangentOf(const GltfTransform& transform, const glm::dvec3& handle);
+
+// --- sockets drawn with empties socket.NAME -------------------------------------------------------
+// Whether the node is an empty of such a name.
+bool isSocket(const GltfModel& model, int node);
+// The names of these sockets, each once; notices for those that have another's, and for too many.
+std::vector<std::pair<int, std::string>> socketNames(const GltfModel& model, const std::vector<int>& nodes,
+                                                     const std::string& part);
+// Gives the part these sockets. `space` takes its node's space to the world. Call it when the part has its
+// rig: sockets that the rig has itself count instead, with a notice.
+void addSockets(const GltfModel& model, const std::vector<int>& nodes, const glm::dmat4& space,
+                SourcePart& part);
 
 }  // namespace kelp::bake

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "kelp/formats/pack.h"
-#include "sockets.h"
 
 namespace kelp::bake {
 namespace {
@@ -247,31 +246,9 @@ int skinAnchor(const GltfModel& model, int skin) {
   return above.empty() ? -1 : above[common];
 }
 
-namespace {
-
-// What the exporter calls the morph targets of the node's mesh (mesh.extras.targetNames); else "mesh 'NAME'".
-void addTargetNames(const GltfModel& model, const GltfMorphChannel& morph, std::vector<std::string>& names) {
-  const auto add = [&](const std::string& name) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  };
-  const int index = model.node(morph.node).mesh;
-  if (index < 0) return;
-  const tinygltf::Mesh& mesh = model.data.meshes[static_cast<std::size_t>(index)];
-  const std::size_t before = names.size();
-  if (mesh.extras.IsObject() && mesh.extras.Has("targetNames") && mesh.extras.Get("targetNames").IsArray()) {
-    const tinygltf::Value& list = mesh.extras.Get("targetNames");
-    for (std::size_t i = 0; i < std::min(list.ArrayLen(), morph.targets); ++i)
-      if (list.Get(i).IsString()) add(oneLine(list.Get(i).Get<std::string>(), 80));
-  }
-  if (names.size() == before)
-    add("of mesh " + (mesh.name.empty() ? std::to_string(index) : oneLine(mesh.name, 80)));
-}
-
-}  // namespace
-
 void noteUnusedMotion(const GltfModel& model, const std::vector<GltfAnimation>& animations,
                       const std::vector<std::vector<bool>>& used, Parts parts, bool single) {
-  // What is below a node: meshes that it moves, joints that bend meshes.
+  // Nodes above meshes that they move, and above joints that bend meshes.
   std::vector<bool> places(model.data.nodes.size(), false), bends(model.data.nodes.size(), false),
       seen(model.data.skins.size(), false);
   for (int node : model.order) {
@@ -292,7 +269,7 @@ void noteUnusedMotion(const GltfModel& model, const std::vector<GltfAnimation>& 
     for (auto* below : {&places, &bends})
       if ((*below)[static_cast<std::size_t>(*node)]) (*below)[static_cast<std::size_t>(parent)] = true;
   }
-  std::vector<std::string> moving, shaping, morphing, targets;
+  std::vector<std::string> moving, shaping, morphing;
   for (std::size_t a = 0; a < animations.size(); ++a) {
     bool nodes = false, shapes = false;
     for (std::size_t c = 0; c < animations[a].channels.size(); ++c) {
@@ -304,18 +281,13 @@ void noteUnusedMotion(const GltfModel& model, const std::vector<GltfAnimation>& 
     }
     if (nodes) moving.push_back(animations[a].name);
     if (shapes) shaping.push_back(animations[a].name);
-    if (animations[a].morphs.empty()) continue;
-    morphing.push_back(animations[a].name);
-    for (const GltfMorphChannel& morph : animations[a].morphs) addTargetNames(model, morph, targets);
+    if (!animations[a].morphs.empty()) morphing.push_back(animations[a].name);
   }
-  const auto quotedList = [](const std::vector<std::string>& names) {
-    std::string text;
+  const auto list = [](const std::vector<std::string>& names) {
+    std::string text = names.size() == 1 ? "animation " : "animations ";
     for (std::size_t i = 0; i < names.size() && i < 6; ++i)
       text += (i == 0 ? "'" : i + 1 == names.size() ? " and '" : ", '") + names[i] + "'";
     return names.size() > 6 ? text + " and " + std::to_string(names.size() - 6) + " more" : text;
-  };
-  const auto list = [&](const std::vector<std::string>& names) {
-    return (names.size() == 1 ? "animation " : "animations ") + quotedList(names);
   };
   const auto s = [](const std::vector<std::string>& names) { return names.size() == 1 ? "s" : ""; };
   if (!moving.empty())
@@ -329,8 +301,9 @@ void noteUnusedMotion(const GltfModel& model, const std::vector<GltfAnimation>& 
                "are baked at rest, or at a moment with --at '" +
                shaping.front() + ":SECONDS'");
   if (!morphing.empty())
-    model.note(list(morphing) + " change" + s(morphing) + " shapes by morph targets (" + quotedList(targets) +
-               "), which no clip can hold; they are baked at rest, or at a moment with --at '" +
+    model.note(list(morphing) + " change" + s(morphing) +
+               " shapes by morph targets, which no clip can hold; they are baked at rest, or at a moment "
+               "with --at '" +
                morphing.front() + ":SECONDS'");
 }
 

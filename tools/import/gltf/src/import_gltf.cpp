@@ -16,7 +16,6 @@
 #include "kelp/import/core/source_model.h"
 #include "kelp/import/mesh/soup.h"
 #include "skins.h"
-#include "sockets.h"
 
 namespace kelp::bake {
 namespace {
@@ -48,9 +47,7 @@ class GltfImporter {
   SourceModel import() {
     out_.format = "glTF 2.0";
     outer_ = findOuterRig(files_, settings_);
-    model_ = parseGltf(files_, readGltfDocument(files_, budget_), settings_.scene, out_.notices);
-    model_.max_memory = settings_.max_memory;
-    model_.budget = &budget_;
+    model_ = readGltf(files_, budget_, settings_.scene, out_.notices);
     materials_ = readMaterials(model_, out_);
     animations_ = readAnimations(model_);
     channels_ = indexChannels(animations_);

@@ -12,7 +12,6 @@
 
 #include "gltf_model.h"
 #include "kelp/import/core/source_model.h"
-#include "knots.h"
 
 namespace kelp::bake {
 namespace {

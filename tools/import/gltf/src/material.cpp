@@ -15,7 +15,7 @@
 namespace kelp::bake {
 namespace {
 
-// What alpha means to the voxels: the three alpha modes of glTF. A mask becomes 0 or 1 here, so that its
+// The meaning of alpha for the voxels: the three alpha modes of glTF. A mask becomes 0 or 1 here, so that its
 // average over a voxel is the share of the voxel that is there.
 enum class Alpha { kIgnore, kMask, kKeep };
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The places where artists and exporters put extras.kelp, and which nodes it is the rig of.
+#include <nlohmann/json.hpp>
+
 #include "gltf_model.h"
 
 namespace kelp::bake {
@@ -11,9 +13,14 @@ std::string quoted(const char* kind, const std::string& name, const std::string&
 
 class RigFinder {
  public:
-  explicit RigFinder(const GltfModel& model) : model_(model), left_(model.document.rigs) {}
+  explicit RigFinder(const GltfModel& model) : model_(model) {}
 
   GltfRigs find() {
+    list("", model_.data);
+    list("asset", model_.data.asset);
+    list("scenes", model_.data.scenes);
+    list("meshes", model_.data.meshes);
+    list("nodes", model_.data.nodes);
     rigs_.nodes.resize(model_.data.nodes.size());
     std::vector<MeshUsers> users(model_.data.meshes.size());
     for (int node : model_.order) {
@@ -37,6 +44,23 @@ class RigFinder {
   }
 
  private:
+  template <class Owner>
+  void list(const std::string& place, const Owner& owner) {
+    // Blender's custom properties hold the rig as a string, hand-written files as an object. Both have the
+    // rules of *.rig.json.
+    if (!owner.extras.Has("kelp")) return;
+    const auto extras = nlohmann::json::parse(owner.extras_json_string);
+    const auto& kelp = extras["kelp"];
+    // extras may be the rig itself: {"kelp": 1, ...}
+    left_[place] = kelp.is_string()   ? kelp.template get<std::string>()
+                   : kelp.is_object() ? kelp.dump()
+                                      : extras.dump();
+  }
+  template <class Owner>
+  void list(const std::string& place, const std::vector<Owner>& owners) {
+    for (std::size_t i = 0; i < owners.size(); ++i) list(placeOf(place, i), owners[i]);
+  }
+
   struct MeshUsers {
     int count = 0, first = -1;  // nodes
   };
@@ -78,6 +102,7 @@ class RigFinder {
   }
 
   const GltfModel& model_;
+  // the text of every rig that nothing has taken yet, by its owner: "nodes[3]", "asset", "" (the root)
   std::map<std::string, std::string> left_;
   GltfRigs rigs_;
 };

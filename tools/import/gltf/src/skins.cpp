@@ -179,7 +179,7 @@ void GltfSkins::addSkinned(int node) {
 
 // A mesh without a skin, or an empty.
 GltfSkins::Mesh GltfSkins::rigid(int node) {
-  // What a joint above does to its children between rest and bind pose, it does to the mesh.
+  // A joint above moves the mesh between rest and bind pose as it moves its children.
   glm::dmat4 bind(1);
   for (int at = node; at >= 0; at = parentOf(at)) {
     const auto found = of_node_.find(at);

@@ -34,8 +34,8 @@ class GltfSkins {
   void beginVertex(int node);
   void addInfluence(std::size_t joint, double weight);
 
-  // Ends the vertices. What animations do to them, in `space` (of the world); marks the channels that move
-  // joints.
+  // Ends the vertices. Returns the skin with all clips, in `space` (of the world); marks the channels that
+  // move joints.
   SourceSkin take(const glm::dmat4& space, const std::vector<GltfAnimation>& animations,
                   std::vector<std::vector<bool>>& used);
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Sockets drawn with empties socket.NAME: the place is the socket's, the axes are those of what a game will
 // attach.
-#include "sockets.h"
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -10,6 +8,8 @@
 #include <set>
 
 #include <fmt/format.h>
+
+#include "gltf_model.h"
 
 namespace kelp::bake {
 namespace {

@@ -124,6 +124,7 @@ class DataBudget {
   DataBudget(const InputFiles& files, std::uint64_t max_memory) : files_(files), max_memory_(max_memory) {}
   // Counts the bytes that `place` takes. ToolError kRuntime if the sum is too large.
   void take(std::uint64_t bytes, std::string_view place);
+  std::uint64_t maxMemory() const { return max_memory_; }
 
  private:
   const InputFiles& files_;
