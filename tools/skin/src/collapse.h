@@ -42,7 +42,8 @@ class PartMotion {
   std::vector<std::int32_t> slots_;    // of each joint: its place in cross_, or -1
 };
 
-// What cost() leaves out, of each sample: the mean squared distance of its drawn places from the origin.
+// The constant that cost() leaves out of each sample: the mean squared distance of its drawn places from the
+// origin.
 std::vector<double> constantCosts(const SkinSamples& samples, const SkinMoments& moments, int threads);
 
 // One fit, at moments that need not be those of the others.

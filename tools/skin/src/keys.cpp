@@ -40,7 +40,7 @@ std::vector<glm::dvec3> outermost(const SkinSamples& samples, const std::vector<
   return points;
 }
 
-// What a part does within its pivot at all times.
+// The motion of a part within its pivot at all times.
 struct Motion {
   std::vector<glm::dquat> turns;  // neighbours have one sign
   std::vector<glm::dvec3> shifts;

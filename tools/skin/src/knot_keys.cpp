@@ -34,7 +34,7 @@ void addKnotTracks(const SkinSweep& sweep, const std::vector<SkinPose>& poses,
   const double radius = 0.5 * std::max(sweep.size.x, sweep.size.z);
   for (std::size_t k = 0; k < sweep.knots.size(); ++k)
     for (const Target target : {Target::kKnotOffset, Target::kKnotTangent}) {
-      // What a unit of the value moves at most: the knot, or the sides of its section.
+      // The most that a unit of the value moves: the knot, or the sides of its section.
       const double reach = target == Target::kKnotOffset ? sweep.height() : radius;
       std::vector<glm::dvec3> values;
       double most = 0;

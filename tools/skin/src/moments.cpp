@@ -29,7 +29,7 @@ glm::dmat4x3 sampleAt(const SourceSkin& skin, const SourceSkin::Clip& clip, doub
   return from + share * (clip.motions[b * count + joint] - from);
 }
 
-// What moments move, by a few samples of each joint: those that are farthest along the axes.
+// A few samples of each joint, by which moments are compared: those that are farthest along the axes.
 std::vector<std::size_t> witnesses(const SkinSamples& samples, std::size_t joints) {
   std::vector<std::array<std::size_t, 6>> ends(joints);
   std::vector<bool> seen(joints, false);

@@ -12,7 +12,7 @@
 
 namespace kelp::bake {
 
-// What joints do at some moments.
+// The motions of joints at some moments.
 struct SkinMoments {
   std::size_t joints = 0;
   std::vector<glm::dmat4x3> motions;  // of moment t and joint j at [t * joints + j]: posed <- bind pose

@@ -90,7 +90,7 @@ void Partition::findCandidates() {
   std::vector<std::uint32_t> list;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const std::uint32_t own = labels_.parts[i];
-    // What a joint moves that no entry of the plan names may go to any neighbour.
+    // Samples of a joint that no entry of the plan names may go to any neighbor.
     if (!plan_ || !plan_->named[samples_.heaviestJoint(i)])
       list = near[own];
     else

@@ -12,7 +12,7 @@
 
 namespace kelp::bake {
 
-// What a unit of a seam's length costs; as much as a unit of area at a distance of 1.
+// The cost of a unit of a seam's length: as much as a unit of area at a distance of 1.
 inline constexpr double kSeamPrice = 1;
 
 struct SkinPlan;

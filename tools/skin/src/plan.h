@@ -51,7 +51,7 @@ void sweepAsPlanned(const SkinSamples& samples, const SourceSkin& skin, const Sk
                     const SkinSpace& space, const SkinPlan& plan, int threads, StiffChains& stiff,
                     SkinLabels& labels);
 
-// What became of the plan otherwise than it says, one line a group.
+// One line for each group that became something else than the plan says.
 std::vector<std::string> departures(const SkinPlan& plan, const SourceSkin& skin, const SkinLabels& labels,
                                     const PartTree& tree, const StiffChains& stiff);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What neighbouring parts do to each other along their seam.
+// How neighboring parts move apart along their seam.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,8 @@ struct SeamSteps {
   };
   std::uint32_t a = 0, b = 0;  // parts, a < b
   std::vector<Place> places;
-  // What a does, seen from b, at each moment; and the other way round. Along a swept part there are several.
+  // The motion of a, seen from b, at each moment; and the other way round. Along a swept part there are
+  // several.
   std::vector<std::vector<glm::dmat4x3>> steps, back_steps;
 
   const Place& nearest(const glm::dvec3& at) const;

@@ -74,7 +74,7 @@ bool joinSmallParts(const SkinSamples& samples, const SourceSkin& skin,
                     const std::vector<std::uint64_t>& counts, std::uint64_t least, SkinLabels& labels) {
   const std::size_t parts = counts.size();
   const std::vector<Seam> seams = findSeams(samples, labels);
-  // What each part becomes; a part that stays is itself.
+  // The part that each part becomes; a part that stays is itself.
   std::vector<std::uint32_t> into(parts);
   const std::uint64_t largest = *std::max_element(counts.begin(), counts.end());
   bool joined = false;

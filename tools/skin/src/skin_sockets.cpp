@@ -137,7 +137,7 @@ SocketSeats seatSockets(const SourceSkin& skin, const SkinSpace& space, const Pa
     const auto row = most.begin() + static_cast<std::ptrdiff_t>(i * parts);
     const auto best =
         static_cast<std::uint32_t>(std::min_element(row, row + static_cast<std::ptrdiff_t>(parts)) - row);
-    std::uint32_t part = tree.carriers[skin.sockets[i].joint];
+    std::uint32_t part = tree.part_of_joint[skin.sockets[i].joint];
     if (row[part] > std::max(kNear, kMuchNearer * row[best])) part = best;
     seats.parts.push_back(part);
     seats.fits.push_back({skin.sockets[i].name, tree.names[part],

@@ -39,7 +39,7 @@ struct SkinSweep {
 std::optional<SkinSweep> makeSweep(const SkinSamples& samples, const SourceSkin& skin, const SkinSpace& space,
                                    const std::vector<std::uint32_t>& members, const SkinChain& chain);
 
-// What a moment does to a part: a rigid motion of skin space, and before it, of a swept part, its knots.
+// The motion of a part at a moment: a rigid motion of skin space, and before it, of a swept part, its knots.
 struct SkinPose {
   glm::dmat4x3 motion{1};
   std::vector<Knot> knots;

@@ -29,7 +29,7 @@ struct SweepFit::Curve {
   }
 };
 
-// What a curve does to the points: their section's place and direction, and where they come to be.
+// The points under a curve: their section's place and direction, and where they come to be.
 struct SweepFit::Reached {
   std::vector<glm::dvec3> centres, along, places;
   double error = 0;  // the sum of area times squared distance

@@ -144,7 +144,7 @@ PartTree hangParts(const SkinSamples& samples, const SourceSkin& skin, const Ski
     int above = static_cast<int>(joint);
     while (above >= 0 && main[static_cast<std::size_t>(above)] == kNobody)
       above = skin.joints[static_cast<std::size_t>(above)].parent;
-    tree.carriers.push_back(above < 0 ? 0 : main[static_cast<std::size_t>(above)]);
+    tree.part_of_joint.push_back(above < 0 ? 0 : main[static_cast<std::size_t>(above)]);
   }
   std::map<std::pair<std::uint32_t, std::uint32_t>, glm::dvec3> middles;
   for (const Seam& seam : findSeams(samples, labels)) middles[{seam.a, seam.b}] = seam.middle;

@@ -27,7 +27,7 @@ struct PartTree {
   std::vector<std::string> names;
   std::vector<std::optional<SkinSweep>> sweeps;  // of those that are swept
   std::vector<float> places;                     // on the spline of the parent, as Part::parent_at
-  std::vector<std::uint32_t> carriers;  // of each joint: the part that moves with it, or with one above
+  std::vector<std::uint32_t> part_of_joint;  // of each joint: the part that moves with it, or with one above
 };
 
 // The motion that a part with a parent has from it, when the parent is in such a pose: posed <- bind pose.
