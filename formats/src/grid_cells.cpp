@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "voxels.h"
-
 #include <algorithm>
 
 #include "morton_walk.h"
+#include "voxels.h"
 
 namespace kelp {
 namespace {
 
-constexpr std::uint8_t kByteStored = 128, kByteInside = 129;
+// Bytes of cells in the file. Of voxels and fog, less than kStored: a clearance.
+constexpr std::uint8_t kStored = 128, kInside = 129;
+constexpr std::uint8_t kDistancesOutside = 0, kDistancesInside = 1, kDistancesStored = 2;
+
+std::byte storedByte(const Lattice& lattice) {
+  return static_cast<std::byte>(lattice.distances() ? kDistancesStored : kStored);
+}
 
 // Predicts the clearance of cell `at` from the cells before it: clearance grows by as much along an axis
 // here as it does in the plane before. Solid bricks and cells outside of the grid count as 0.
@@ -51,49 +56,63 @@ void forEachCell(const glm::ivec3& grid, const Visit& visit) {
 
 }  // namespace
 
-void storeCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid, std::span<std::byte> bytes) {
+void storeCells(std::span<const std::uint32_t> cells, const Lattice& lattice, std::span<std::byte> bytes) {
+  if (lattice.distances()) {
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      bytes[i] = static_cast<std::byte>(cells[i] & kCellSolid     ? kDistancesStored
+                                        : cells[i] == kFarOutside ? kDistancesOutside
+                                                                  : kDistancesInside);
+    return;
+  }
+  const glm::ivec3 grid = brickGrid(lattice.size);
   const Prediction predicted(cells, grid);
   forEachCell(grid, [&](std::size_t i, const glm::ivec3& at) {
     bytes[i] =
-        static_cast<std::byte>(cells[i] == kCellInside ? kByteInside
-                               : cells[i] & kCellSolid ? kByteStored
+        static_cast<std::byte>(cells[i] == kCellInside ? kInside
+                               : cells[i] & kCellSolid ? kStored
                                                        : (cellClearance(cells[i]) - predicted(at)) & 127);
   });
 }
 
-Result<std::uint32_t> countStored(std::span<const std::byte> bytes) {
-  const auto wrong =
-      std::find_if(bytes.begin(), bytes.end(), [](std::byte b) { return b > std::byte{kByteInside}; });
+Result<std::uint32_t> countStored(std::span<const std::byte> bytes, const Lattice& lattice) {
+  const std::byte most{lattice.distances() ? kDistancesStored : kInside};
+  const auto wrong = std::find_if(bytes.begin(), bytes.end(), [most](std::byte b) { return b > most; });
   if (wrong != bytes.end())
-    return Error{ErrorCode::kCorrupt, "a cell's byte is above 129",
+    return Error{ErrorCode::kCorrupt, "a cell's byte is above 129, or above 2 of distances",
                  static_cast<std::uint64_t>(wrong - bytes.begin())};
-  const auto count = std::count(bytes.begin(), bytes.end(), std::byte{kByteStored});
+  const auto count = std::count(bytes.begin(), bytes.end(), storedByte(lattice));
   if (count == 0) return Error{ErrorCode::kCorrupt, "a level has no brick", 0};
   if (count > std::int64_t{kCellSlotMask} + 1)
     return Error{ErrorCode::kCorrupt, "a level has more than 2^24 bricks", 0};
   return static_cast<std::uint32_t>(count);
 }
 
-Result<void> loadCells(std::span<const std::byte> bytes, int channels, LevelGrid& out) {
-  const glm::ivec3 whole = channels == 0 ? out.size / kBrickSide : glm::ivec3(0);
-  const auto inside = makeStoredCell(static_cast<std::uint32_t>(out.pages.size()), 0);
-  const Prediction predicted(out.cells.span(), out.grid);
-  std::uint64_t wrong = bytes.size();
-  forEachCell(out.grid, [&](std::size_t i, const glm::ivec3& at) {
-    const auto byte = static_cast<std::uint8_t>(bytes[i]);
-    if (byte == kByteInside && !(at.x < whole.x && at.y < whole.y && at.z < whole.z) && wrong == bytes.size())
-      wrong = i;
-    out.cells[i] = byte >= kByteStored
-                       ? inside
-                       : static_cast<std::uint32_t>((predicted(at) + byte) & 127) << kCellClearanceShift;
-  });
-  if (wrong != bytes.size())
-    return Error{ErrorCode::kCorrupt, "a brick that is wholly inside reaches beyond the level, or is fog",
-                 wrong};
+Result<void> loadCells(std::span<const std::byte> bytes, const Lattice& lattice, LevelGrid& out) {
+  if (lattice.distances()) {
+    std::transform(bytes.begin(), bytes.end(), out.cells.begin(), [](std::byte b) {
+      return std::uint32_t{b == std::byte{kDistancesOutside} ? kFarOutside : kFarInside};
+    });
+  } else {
+    const glm::ivec3 whole = lattice.channels == 0 ? out.size / kBrickSide : glm::ivec3(0);
+    const auto inside = makeStoredCell(static_cast<std::uint32_t>(out.pages.size()), 0);
+    const Prediction predicted(out.cells.span(), out.grid);
+    std::uint64_t wrong = bytes.size();
+    forEachCell(out.grid, [&](std::size_t i, const glm::ivec3& at) {
+      const auto byte = static_cast<std::uint8_t>(bytes[i]);
+      if (byte == kInside && !(at.x < whole.x && at.y < whole.y && at.z < whole.z) && wrong == bytes.size())
+        wrong = i;
+      out.cells[i] = byte >= kStored
+                         ? inside
+                         : static_cast<std::uint32_t>((predicted(at) + byte) & 127) << kCellClearanceShift;
+    });
+    if (wrong != bytes.size())
+      return Error{ErrorCode::kCorrupt, "a brick that is wholly inside reaches beyond the level, or is fog",
+                   wrong};
+  }
   std::uint32_t slot = 0, page = 0;
   for (MortonWalk walk(out.grid); !walk.done(); walk.next()) {
     const auto at = static_cast<std::size_t>(walk.index());
-    if (bytes[at] != std::byte{kByteStored}) continue;
+    if (bytes[at] != storedByte(lattice)) continue;
     page += slot == out.pages[page].first_slot + out.pages[page].count;
     out.cells[at] = makeStoredCell(page, slot - out.pages[page].first_slot);
     out.bricks[slot++] = static_cast<std::uint32_t>(at);

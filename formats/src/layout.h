@@ -120,6 +120,5 @@ inline constexpr std::size_t kSockHeader = 8, kSockRecord = 36;
 // Distances: the header of DGRD; a brick in a page of DIST: its bits, then its corrections.
 inline constexpr std::size_t kDgrdHeader = 8;
 inline constexpr std::uint32_t kDistanceBrick = 64 + 512;
-inline constexpr std::uint8_t kDistanceChannels = 3;  // see PageInfo
 
 }  // namespace kelp::layout

@@ -32,7 +32,7 @@ Result<void> LevelReader::refine() {
     PageData page(allocator_);
     for (std::size_t i = 0; i < grid_.pages.size(); ++i) {
       if (const Result<void> read = readPage(i, page); !read) return read;
-      std::copy(page.shapes.begin(), page.shapes.end(), shapes.begin() + page.first_slot);
+      std::copy(page.shapes.begin(), page.shapes.end(), shapes.begin() + page.info.first_slot);
     }
   }
   Result<LevelGrid> finer = pack_->readGrid(grid_.part, grid_.level - 1);

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "container.h"
-#include "distance_pages.h"
 #include "kelp/formats/pack.h"
 #include "layout.h"
 #include "metadata.h"
@@ -37,6 +36,19 @@ struct Pack::Impl {
 
   Result<void> read();
   Result<void> readMetadata();
+
+  // grid, pages: the level's chunks.
+  Result<LevelGrid> readGrid(std::size_t grid, std::size_t pages, const Lattice& lattice,
+                             bool coarsest) const {
+    const ChunkInfo& chunk = container.chunks[grid];
+    Result<LevelGrid> read =
+        readLevelGrid(source, chunk, container.chunks[pages], lattice, limits, allocator);
+    if (!read) return read;
+    read->part = static_cast<int>(chunk.part);
+    read->level = static_cast<int>(chunk.level);
+    read->coarsest = coarsest;
+    return read;
+  }
 };
 
 Result<void> Pack::Impl::readMetadata() {
@@ -108,37 +120,41 @@ Result<LevelGrid> Pack::readGrid(int part, int level) const {
   if (level < 0 || level >= of.levels) return Error{ErrorCode::kMisuse, "the part has no such level"};
   const std::size_t slot =
       impl_->levels.first[static_cast<std::size_t>(part)] + static_cast<std::size_t>(level);
-  const ChunkInfo& chunk = impl_->container.chunks[impl_->levels.grids[slot]];
-  const ChunkInfo& bricks = impl_->container.chunks[impl_->levels.bricks[slot]];
-
-  Result<LevelGrid> grid =
-      readLevelGrid(impl_->source, chunk, bricks, latticeOf(of, level), impl_->limits, impl_->allocator);
-  if (grid) {
-    grid->part = part;
-    grid->level = level;
-    grid->coarsest = level + 1 == of.levels;
-  }
-  return grid;
+  return impl_->readGrid(impl_->levels.grids[slot], impl_->levels.bricks[slot], latticeOf(of, level),
+                         level + 1 == of.levels);
 }
 
 Result<void> Pack::readPage(const LevelGrid& grid, std::size_t index, const LevelAbove& above,
-                            PageData& out) const {
+                            std::span<std::uint32_t> words, PageData& out) const {
   const std::uint64_t size = impl_->container.file_size;
   if (index >= grid.pages.size()) return Error{ErrorCode::kMisuse, "the grid has no such page"};
   const PageInfo& page = grid.pages[index];
-  if (!isPossiblePage(page) || page.channels > 2 || page.offset > size || page.stored > size - page.offset)
+  if (!isPossiblePage(page) || page.offset > size || page.stored > size - page.offset)
     return Error{ErrorCode::kMisuse, "the page is not from a grid of this pack"};
+  if (words.size() != pageWords(page)) return Error{ErrorCode::kMisuse, "a page has other words than given"};
+  if (page.channels == PageInfo::kDistances)
+    return decodeDistancePage(impl_->source, grid, index, words, out);
   if (page.channels > 0) {
     if (const Result<void> decoded = decodeFogPage(impl_->source, page, out); !decoded) return decoded;
     if (findClearBrick(out.fog.span(), page.channels) >= 0)
       return Error{ErrorCode::kCorrupt, "a stored brick holds no fog", page.offset};
+    writeFog(page, out.fog.span(), words);
     return {};
   }
   if (!grid.coarsest &&
       (!above.grid || above.grid->part != grid.part || above.grid->level != grid.level + 1 ||
        above.shapes.size() != above.grid->bricks.size()))
     return Error{ErrorCode::kMisuse, "a page of voxels needs the next coarser level of its part"};
-  return decodeSolidPage(impl_->source, grid, index, above, palette().size(), out);
+  return decodeSolidPage(impl_->source, grid, index, above, palette().size(), words, out);
+}
+
+Result<void> Pack::readPage(const LevelGrid& grid, std::size_t page, const LevelAbove& above,
+                            PageData& out) const {
+  if (page >= grid.pages.size() || !isPossiblePage(grid.pages[page]))
+    return Error{ErrorCode::kMisuse, "the grid has no such page"};
+  if (!out.words.reuse(pageWords(grid.pages[page])))
+    return Error{ErrorCode::kOutOfMemory, "no memory for a page", grid.pages[page].offset};
+  return readPage(grid, page, above, out.words.span(), out);
 }
 
 bool Pack::hasDistances() const { return !impl_->levels.distance_grids.empty(); }
@@ -150,24 +166,15 @@ int Pack::distanceLevels(int part) const {
   return of.kind == PartKind::kSolid ? kelp::distanceLevels(of.size, of.levels) : 0;
 }
 
-Result<DistanceGrid> Pack::readDistanceGrid(int part, int level) const {
-  if (level < 0 || level >= distanceLevels(part))
+Result<LevelGrid> Pack::readDistanceGrid(int part, int level) const {
+  const int levels = distanceLevels(part);
+  if (level < 0 || level >= levels)
     return Error{ErrorCode::kMisuse, "the pack has no distances of such a part and level"};
   const std::size_t slot =
       impl_->levels.first_distances[static_cast<std::size_t>(part)] + static_cast<std::size_t>(level);
-  return readDistanceLevel(impl_->source, impl_->container.chunks[impl_->levels.distance_grids[slot]],
-                           impl_->container.chunks[impl_->levels.distance_pages[slot]],
-                           levelSize(parts()[static_cast<std::size_t>(part)].size, level), impl_->limits,
-                           impl_->allocator);
-}
-
-Result<void> Pack::readDistancePage(const DistanceGrid& grid, std::size_t page, DistancePage& out) const {
-  const std::uint64_t size = impl_->container.file_size;
-  if (page >= grid.pages.size() || grid.pages[page].channels != layout::kDistanceChannels ||
-      !isPossiblePage(grid.pages[page]) || grid.pages[page].offset > size ||
-      grid.pages[page].stored > size - grid.pages[page].offset)
-    return Error{ErrorCode::kMisuse, "the page is not from distances of this pack"};
-  return decodeDistancePage(impl_->source, levelOf(grid), grid.pages[page], out);
+  return impl_->readGrid(impl_->levels.distance_grids[slot], impl_->levels.distance_pages[slot],
+                         distanceLattice(parts()[static_cast<std::size_t>(part)], level),
+                         level + 1 == levels);
 }
 
 }  // namespace kelp

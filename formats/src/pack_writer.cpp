@@ -26,14 +26,6 @@ struct ChunkPlan {
   std::span<const Packed> pages;
 };
 
-// A level of distances to write.
-struct DistancePlan {
-  std::size_t index = 0, part = 0;
-  const RawDistances* raw = nullptr;
-  DistanceLevel level;
-  Buffer<std::uint32_t> bricks;  // of `level`
-};
-
 class Writer {
  public:
   Writer(const RawPack& pack, const Sink& sink, int threads, Effort effort)
@@ -117,64 +109,46 @@ class Writer {
   }
 
   Result<void> packLevels() {
-    if (const Result<void> r = planDistances(); !r) return r;
-    levels_of_.reset(new (std::nothrow) LevelPlan[levels_]);
-    if (!levels_of_) return kNoMemory;
-    std::size_t page_count = 0, plan_count = 0, coarsest = 0;
-    for (const RawPart& part : pack_.parts) {
-      for (std::size_t level = 0; level < part.levels.size(); ++level) {
-        if (const Result<void> r = checkRawLevel(part, level, pack_.palette.size()); !r) return r;
-        LevelPlan& plan = levels_of_[plan_count++];
-        if (const Result<void> r = planLevel(part, level, plan); !r) return r;
-        const std::size_t pages = planPages(plan, {});
-        if (pages >= kMaxPages) return misuse("a level has more than 131071 pages");
-        page_count += pages;
-      }
-      coarsest = std::max(coarsest, part.levels.size());
-    }
-    for (const DistancePlan& plan : distances()) page_count += planPages(plan.level, plan.raw->codes, {});
-    plans_.reset(new (std::nothrow) PagePlan[page_count]);
-    packed_.reset(new (std::nothrow) Packed[page_count]);
-    if (!plans_ || !packed_) return kNoMemory;
-    const std::span<PagePlan> plans(plans_.get(), page_count);
-
+    plans_.reset(new (std::nothrow) LevelPlan[levels_ + distance_levels_]);
+    if (!plans_) return kNoMemory;
+    if (const Result<void> r = checkDistanceLevels(); !r) return r;
     // In the order of the file: levels coarse to fine, then parts; voxels, then distances.
-    std::size_t first = 0;
-    for (std::size_t level = coarsest; level-- > 0;) {
-      std::size_t of_part = 0;  // its first level
-      for (std::size_t part = 0; part < pack_.parts.size(); ++part) {
-        const std::size_t count = pack_.parts[part].levels.size();
-        if (level < count)
-          first += addLevel(level, part, first, planPages(levels_of_[of_part + level], plans.subspan(first)));
-        of_part += count;
+    for (const bool distances : {false, true}) {
+      const auto countOf = [distances](const RawPart& part) {
+        return distances ? part.distances.size() : part.levels.size();
+      };
+      std::size_t coarsest = 0;
+      for (const RawPart& part : pack_.parts) coarsest = std::max(coarsest, countOf(part));
+      for (std::size_t level = coarsest; level-- > 0;) {
+        for (std::size_t part = 0; part < pack_.parts.size(); ++part) {
+          if (level >= countOf(pack_.parts[part])) continue;
+          LevelPlan& plan = plans_[plan_count_++];
+          plan.index = level;
+          plan.part = part;
+          if (const Result<void> r = planLevel(pack_.parts[part], distances, plan); !r) return r;
+        }
       }
     }
-    for (const DistancePlan& plan : distances())
-      first += addLevel(plan.index, plan.part, first,
-                        planPages(plan.level, plan.raw->codes, plans.subspan(first)));
-    if (const Result<void> r = packPages(plans, {packed_.get(), page_count}, threads_, effort_); !r) return r;
-    return packGrids();
-  }
-
-  // The level was checked.
-  Result<void> planLevel(const RawPart& part, std::size_t index, LevelPlan& plan) const {
-    plan.raw = &part.levels[index];
-    plan.above = part.fog || index + 1 == part.levels.size() ? nullptr : &part.levels[index + 1];
-    plan.size = levelSize(part.size, static_cast<int>(index));
-    plan.palette = pack_.palette.size();
-    if (part.fog) return {};
-    if (!plan.bricks.reset(plan.raw->codes.size() / kBrickVoxels)) return kNoMemory;
-    std::size_t slot = 0;
-    for (MortonWalk walk(brickGrid(plan.size)); !walk.done(); walk.next()) {
-      if (isStoredCell(plan.raw->cells[static_cast<std::size_t>(walk.index())]))
-        plan.bricks[slot++] = walk.cell();
+    std::size_t count = 0;
+    for (const LevelPlan& plan : plans()) count += plan.pages;
+    pages_.reset(new (std::nothrow) PagePlan[count]);
+    packed_.reset(new (std::nothrow) Packed[count]);
+    if (!pages_ || !packed_) return kNoMemory;
+    std::size_t first = 0;
+    for (const LevelPlan& plan : plans()) first += planPages(plan, {pages_.get() + first, plan.pages});
+    if (const Result<void> r = packPages({pages_.get(), count}, {packed_.get(), count}, threads_, effort_);
+        !r)
+      return r;
+    first = 0;
+    for (const LevelPlan& plan : plans()) {
+      if (!addLevel(plan, first)) return kNoMemory;
+      first += plan.pages;
     }
     return {};
   }
 
-  // All solid parts have distances, in the order of the file, or none has.
-  Result<void> planDistances() {
-    std::size_t coarsest = 0;
+  // All solid parts have distances, or none has.
+  Result<void> checkDistanceLevels() const {
     const bool any = std::any_of(pack_.parts.begin(), pack_.parts.end(),
                                  [](const RawPart& part) { return !part.distances.empty(); });
     for (const RawPart& part : pack_.parts) {
@@ -183,74 +157,68 @@ class Writer {
                              : 0;
       if (part.distances.size() != static_cast<std::size_t>(wanted))
         return misuse("a part does not have the levels of distances that it needs");
-      coarsest = std::max(coarsest, part.distances.size());
-    }
-    distances_.reset(new (std::nothrow) DistancePlan[distance_levels_]);
-    if (!distances_) return kNoMemory;
-    for (std::size_t level = coarsest; level-- > 0;) {
-      for (std::size_t part = 0; part < pack_.parts.size(); ++part) {
-        if (level >= pack_.parts[part].distances.size()) continue;
-        DistancePlan& plan = distances_[distance_count_++];
-        plan.index = level;
-        plan.part = part;
-        plan.raw = &pack_.parts[part].distances[level];
-        const glm::ivec3 size = levelSize(pack_.parts[part].size, static_cast<int>(level));
-        plan.level = {size, brickGrid(size), plan.raw->band, plan.raw->cells, {}};
-        const Result<std::uint32_t> bricks = checkRawDistances(*plan.raw, plan.level.grid);
-        if (!bricks) return bricks.error();
-        if (!plan.bricks.reset(*bricks)) return kNoMemory;
-        listBricks(plan.raw->cells, plan.level.grid, plan.bricks.span());
-        plan.level.bricks = plan.bricks.span();
-      }
     }
     return {};
   }
 
-  // Adds the two chunks of a level; returns the number of its pages.
-  std::size_t addLevel(std::size_t level, std::size_t part, std::size_t first, std::size_t pages) {
+  // Checks a level, and finds its bricks and how many pages they take.
+  Result<void> planLevel(const RawPart& part, bool distances, LevelPlan& plan) const {
+    const glm::ivec3 size = levelSize(part.size, static_cast<int>(plan.index));
+    if (distances) {
+      plan.distances = &part.distances[plan.index];
+      plan.lattice = {size, PageInfo::kDistances};
+      if (const Result<void> r = checkRawDistances(*plan.distances, size); !r) return r;
+    } else {
+      plan.raw = &part.levels[plan.index];
+      plan.above = part.fog || plan.index + 1 == part.levels.size() ? nullptr : &part.levels[plan.index + 1];
+      plan.lattice = {latticeSize(part.fog ? PartKind::kFog : PartKind::kSolid, size),
+                      part.fog ? part.fog->ramp.empty() ? 1 : 2 : 0};
+      plan.palette = pack_.palette.size();
+      if (const Result<void> r = checkRawLevel(part, plan.index, plan.palette); !r) return r;
+    }
+    const auto isStored = [&](std::uint64_t cell) {
+      return isStoredCell(plan.cells()[static_cast<std::size_t>(cell)]);
+    };
+    std::size_t count = 0;
+    for (std::size_t cell = 0; cell < plan.cells().size(); ++cell) count += isStored(cell) ? 1 : 0;
+    if (!plan.bricks.reset(count)) return kNoMemory;
+    std::size_t slot = 0;
+    for (MortonWalk walk(brickGrid(plan.lattice.size)); !walk.done(); walk.next())
+      if (isStored(walk.index())) plan.bricks[slot++] = walk.cell();
+    plan.pages = planPages(plan, {});
+    return plan.pages < kMaxPages ? Result<void>() : misuse("a level has more than 131071 pages");
+  }
+
+  // Adds the two chunks of a level, whose pages begin with `first`. False: no memory.
+  bool addLevel(const LevelPlan& plan, std::size_t first) {
     ChunkPlan& grid = chunks_[chunk_count_++];
     ChunkPlan& bricks = chunks_[chunk_count_++];
-    bricks.pages = {packed_.get() + first, pages};
-    grid.info.level = bricks.info.level = static_cast<std::uint32_t>(level);
-    grid.info.part = bricks.info.part = static_cast<std::uint32_t>(part);
-    return pages;
-  }
-
-  Result<void> packGrids() {
-    for (std::size_t i = 0; i < chunk_count_; ++i) {
-      if (chunks_[i].pages.empty()) continue;
-      ChunkPlan& grid = chunks_[i - 1];
-      ChunkPlan& bricks = chunks_[i];
-      const std::size_t page = static_cast<std::size_t>(bricks.pages.data() - packed_.get());
-      if (!packGrid({plans_.get() + page, bricks.pages.size()}, bricks.pages, grid.own)) return kNoMemory;
-      const bool distances = plans_[page].distances != nullptr;
-      describe(grid, distances ? layout::kDgrd : layout::kGrid, distances ? 0 : layout::kFlagRequired,
-               grid.info.level, grid.info.part);
-      describe(bricks,
-               distances                           ? layout::kDist
-               : pack_.parts[bricks.info.part].fog ? layout::kFogb
-                                                   : layout::kBrck,
-               distances ? 0 : layout::kFlagRequired, bricks.info.level, bricks.info.part);
-    }
-    return {};
+    bricks.pages = {packed_.get() + first, plan.pages};
+    if (!packGrid(plan, {pages_.get() + first, plan.pages}, bricks.pages, grid.own)) return false;
+    const bool distances = plan.lattice.distances();
+    const std::uint32_t flags = distances ? 0 : layout::kFlagRequired;
+    const auto level = static_cast<std::uint32_t>(plan.index), part = static_cast<std::uint32_t>(plan.part);
+    describe(grid, distances ? layout::kDgrd : layout::kGrid, flags, level, part);
+    describe(bricks,
+             distances                   ? layout::kDist
+             : plan.lattice.channels > 0 ? layout::kFogb
+                                         : layout::kBrck,
+             flags, level, part);
+    return true;
   }
 
   // Cells, padding to 8 bytes, page table.
-  static bool packGrid(std::span<const PagePlan> plans, std::span<const Packed> pages, Packed& out) {
-    const DistanceLevel* const distances = plans.front().distances;
-    const LevelPlan* const level = plans.front().level;
-    const std::size_t cells = distances ? layout::kDgrdHeader + distances->cells.size()
-                                        : level->raw->cells.size(),
-                      table_at = static_cast<std::size_t>(layout::align(cells, 8));
+  static bool packGrid(const LevelPlan& level, std::span<const PagePlan> plans, std::span<const Packed> pages,
+                       Packed& out) {
+    const std::size_t cells_at = level.distances ? layout::kDgrdHeader : 0,
+                      table_at = static_cast<std::size_t>(layout::align(cells_at + level.cells().size(), 8));
     Buffer<std::byte> raw;
     if (!raw.reset(table_at + pages.size() * layout::kPageEntryBytes)) return false;
-    if (distances)
-      storeDistanceCells(*distances, raw.span());
-    else
-      storeCells(level->raw->cells,
-                 brickGrid(latticeSize(level->raw->density.empty() ? PartKind::kSolid : PartKind::kFog,
-                                       level->size)),
-                 raw.span());
+    if (level.distances) {
+      layout::store(raw.span(), 0, level.distances->band.outside);
+      layout::store(raw.span(), 1, level.distances->band.inside);
+    }
+    storeCells(level.cells(), level.lattice, raw.span().subspan(cells_at));
     std::uint64_t offset = 0;
     for (std::size_t i = 0; i < pages.size(); ++i) {
       const std::size_t at = table_at + i * layout::kPageEntryBytes;
@@ -318,7 +286,7 @@ class Writer {
     return {};
   }
 
-  std::span<const DistancePlan> distances() const { return {distances_.get(), distance_count_}; }
+  std::span<const LevelPlan> plans() const { return {plans_.get(), plan_count_}; }
 
   bool send(std::span<const std::byte> bytes) {
     if (const Result<void> r = sink_.write(sink_.user, bytes); !r) {
@@ -343,10 +311,9 @@ class Writer {
   std::size_t levels_ = 0, distance_levels_ = 0;
   std::unique_ptr<ChunkPlan[]> chunks_;
   std::size_t chunk_count_ = 0;
-  std::unique_ptr<DistancePlan[]> distances_;
-  std::size_t distance_count_ = 0;
-  std::unique_ptr<LevelPlan[]> levels_of_;  // part by part, finest first
-  std::unique_ptr<PagePlan[]> plans_;
+  std::unique_ptr<LevelPlan[]> plans_;
+  std::size_t plan_count_ = 0;
+  std::unique_ptr<PagePlan[]> pages_;
   std::unique_ptr<Packed[]> packed_;
   std::uint64_t written_ = 0;
   Error refusal_;  // of the sink

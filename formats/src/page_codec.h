@@ -3,6 +3,7 @@
 // next coarser level, then the attributes.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -27,6 +28,31 @@ struct PageShape {
   std::uint32_t palette = 1;           // entries, 1 to 256
 };
 
+// Finds a page's bricks by their places, in a table that is never more than a quarter full.
+class BrickPlaces {
+ public:
+  explicit BrickPlaces(std::span<const glm::ivec3> bricks) : bricks_(bricks) {
+    table_.fill(-1);
+    for (std::size_t i = 0; i < bricks.size(); ++i) {
+      std::size_t at = start(bricks[i]);
+      while (table_[at] >= 0) at = (at + 1) % table_.size();
+      table_[at] = static_cast<std::int16_t>(i);
+    }
+  }
+  // -1: the page does not hold it.
+  int find(const glm::ivec3& brick) const {
+    for (std::size_t at = start(brick);; at = (at + 1) % table_.size())
+      if (table_[at] < 0 || bricks_[static_cast<std::size_t>(table_[at])] == brick) return table_[at];
+  }
+
+ private:
+  static std::size_t start(const glm::ivec3& p) {
+    return static_cast<std::uint32_t>(p.x + p.y * 8 + p.z * 64) % 512;
+  }
+  std::span<const glm::ivec3> bricks_;
+  std::array<std::int16_t, 512> table_;
+};
+
 // Of a page: 512 bytes a brick and 4 a surface voxel are at most 64 KiB.
 inline constexpr std::size_t kMaxPageAttributes = 64 * 1024 / 4;
 
@@ -37,11 +63,11 @@ Result<void> encodeSolidPage(const PageShape& shape, std::span<const std::uint8_
                              std::span<const std::uint32_t> attributes, Effort effort,
                              Buffer<std::byte>& workspace, Buffer<std::byte>& out);
 
-// The inverse. Safe for any bytes and any `above`. attributes: as many as the page must hold. kCorrupt: it
-// holds another number, an index beyond the palette, a brick without a surface voxel, or other bytes than
-// its voxels take. Allocates nothing once `workspace` was used.
+// The inverse. Safe for any bytes and any `above`. shapes: one a brick. attributes: as many as the page must
+// hold. kCorrupt: it holds another number, an index beyond the palette, a brick without a surface voxel, or
+// other bytes than its voxels take. Allocates nothing once `workspace` was used.
 Result<void> decodeSolidPage(const PageShape& shape, std::span<const std::byte> stored,
-                             Buffer<std::byte>& workspace, std::span<std::uint8_t> codes,
+                             Buffer<std::byte>& workspace, std::span<BrickShape> shapes,
                              std::span<std::uint32_t> attributes);
 
 }  // namespace kelp

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "eight_codes.h"
+#include <bit>
+
 #include "kelp/formats/brick.h"
 #include "page_attributes.h"
 #include "page_codec.h"
@@ -32,15 +33,15 @@ bool readHeader(std::span<const std::byte>& stored, PageHeader& header) {
   return header.plain_bytes <= stored.size() && (stored.size() - header.plain_bytes) % 2 == 0;
 }
 
-// Writes the codes of all bricks. Returns the number of surface voxels.
-std::size_t writeCodes(const PageState& state, std::span<std::uint8_t> codes) {
+// Returns the number of surface voxels.
+std::size_t takeShapes(const PageState& state, std::span<BrickShape> shapes) {
   std::size_t count = 0;
-  for (std::size_t i = 0; i < codes.size(); i += 8) {
-    const std::size_t brick = i / kBrickVoxels, z = i / 64 % 8, shift = i % 64;
-    const EightCodes eight(static_cast<std::uint8_t>(state.surface[brick][z] >> shift),
-                           static_cast<std::uint8_t>(state.solid[brick][z] >> shift));
-    eight.store(&codes[i]);
-    count += eight.surfaceVoxels();
+  for (std::size_t brick = 0; brick < shapes.size(); ++brick) {
+    for (std::size_t z = 0; z < kBrickSide; ++z) {
+      shapes[brick].solid.slices[z] = state.solid[brick][z];
+      shapes[brick].surface.slices[z] = state.surface[brick][z];
+      count += static_cast<std::size_t>(std::popcount(state.surface[brick][z]));
+    }
   }
   return count;
 }
@@ -48,9 +49,9 @@ std::size_t writeCodes(const PageState& state, std::span<std::uint8_t> codes) {
 }  // namespace
 
 Result<void> decodeSolidPage(const PageShape& shape, std::span<const std::byte> stored,
-                             Buffer<std::byte>& workspace, std::span<std::uint8_t> codes,
+                             Buffer<std::byte>& workspace, std::span<BrickShape> shapes,
                              std::span<std::uint32_t> attributes) {
-  if (!coding::isPageShape(shape) || codes.size() != shape.bricks.size() * 512 ||
+  if (!coding::isPageShape(shape) || shapes.size() != shape.bricks.size() ||
       attributes.size() > kMaxPageAttributes)
     return Error{ErrorCode::kMisuse, "sizes of a page do not match"};
   PageHeader header;
@@ -62,7 +63,7 @@ Result<void> decodeSolidPage(const PageShape& shape, std::span<const std::byte> 
   coding::codeSolid(decoder, shape, *state);
   if (!coding::codeSurface(decoder, shape, *state, header.exact))
     return Error{ErrorCode::kCorrupt, "a stored brick has no surface voxel"};
-  if (writeCodes(*state, codes) != attributes.size())
+  if (takeShapes(*state, shapes) != attributes.size())
     return Error{ErrorCode::kCorrupt, "a page does not have one attribute for each surface voxel"};
   if (!coding::codeAttributes(decoder, header, shape, *state, attributes))
     return Error{ErrorCode::kCorrupt, "a palette index is beyond the palette"};

@@ -177,14 +177,32 @@ Result<void> PageFrame::make(const LevelGrid& grid, std::size_t page, const Leve
   return {};
 }
 
-void chooseBoxes(const LevelGrid& grid, std::size_t page, const LevelAbove& over,
-                 std::span<const BrickShape> shapes, std::span<std::uint8_t> codes) {
+void writeBricks(const LevelGrid& grid, std::size_t page, const LevelAbove& over,
+                 std::span<const BrickShape> shapes, std::span<std::uint32_t> words) {
   const Surroundings surroundings(grid, page, over, shapes);
   BoxWindow window;
-  for (std::uint32_t i = 0; i < grid.pages[page].count; ++i) {
+  // Offsets of attributes fit 16 bits, because a page has at most 64 KiB of codes and attributes.
+  std::uint32_t attribute = kBrickWords * static_cast<std::uint32_t>(shapes.size());
+  for (std::uint32_t i = 0; i < shapes.size(); ++i, attribute -= kBrickWords) {
+    std::uint32_t* const brick = &words[std::size_t{i} * kBrickWords];
+    auto* const codes = reinterpret_cast<std::uint8_t*>(brick + kSliceWords);
+    for (std::size_t z = 0; z < kBrickSide; ++z) {
+      std::uint32_t& pair = brick[z / 2];
+      pair = z % 2 == 0 ? attribute : pair | attribute << 16;
+      const std::uint64_t solid = shapes[i].solid.slices[z], surface = shapes[i].surface.slices[z];
+      std::uint64_t rank = 0;
+      for (std::size_t y = 0; y < kBrickSide; ++y) {
+        EightCodes eight(static_cast<std::uint8_t>(surface >> (8 * y)),
+                         static_cast<std::uint8_t>(solid >> (8 * y)));
+        const std::uint64_t which = eight.surfaceBytes(), voxels = eight.surfaceVoxels();
+        eight.codes = (eight.codes & ~which) | (eight.ranked(rank) & which);
+        eight.store(codes + 64 * z + 8 * y);
+        rank += voxels;
+      }
+      attribute += static_cast<std::uint32_t>(rank);
+    }
     surroundings.gather(grid.place(grid.pages[page].first_slot + i), window);
-    chooseBoxes(window,
-                std::span<std::uint8_t, kBrickVoxels>(&codes[std::size_t{i} * kBrickVoxels], kBrickVoxels));
+    chooseBoxes(window, std::span<std::uint8_t, kBrickVoxels>(codes, kBrickVoxels));
   }
 }
 

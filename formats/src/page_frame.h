@@ -24,10 +24,11 @@ struct PageFrame {
 // The 4 x 4 x 4 voxels over one of the eight bricks below a coarser one. brick: the finer one's place.
 CoarseBlock blockOver(const BrickShape& coarse, const glm::ivec3& brick);
 
-// Writes the boxes of the empty voxels of a page's bricks. They hold nothing that may be solid: voxels of
-// other pages are as solid as the coarser ones over them. codes: 512 a brick.
-void chooseBoxes(const LevelGrid& grid, std::size_t page, const LevelAbove& over,
-                 std::span<const BrickShape> shapes, std::span<std::uint8_t> codes);
+// Writes the bricks of a page of voxels, slices and codes, to their places in the page's words. Their boxes
+// hold nothing that may be solid: voxels of other pages are as solid as the coarser ones over them. shapes:
+// of the bricks.
+void writeBricks(const LevelGrid& grid, std::size_t page, const LevelAbove& over,
+                 std::span<const BrickShape> shapes, std::span<std::uint32_t> words);
 
 // The shapes of bricks with these codes, 512 a brick.
 void shapesOf(std::span<const std::uint8_t> codes, std::span<BrickShape> shapes);

@@ -9,30 +9,6 @@
 namespace kelp::coding {
 namespace {
 
-// Finds a page's bricks by their places, in a table that is never more than a quarter full.
-class Places {
- public:
-  explicit Places(std::span<const glm::ivec3> bricks) : bricks_(bricks) {
-    table_.fill(-1);
-    for (std::size_t i = 0; i < bricks.size(); ++i) {
-      std::size_t at = start(bricks[i]);
-      while (table_[at] >= 0) at = (at + 1) % table_.size();
-      table_[at] = static_cast<std::int16_t>(i);
-    }
-  }
-  int find(const glm::ivec3& brick) const {
-    for (std::size_t at = start(brick);; at = (at + 1) % table_.size())
-      if (table_[at] < 0 || bricks_[static_cast<std::size_t>(table_[at])] == brick) return table_[at];
-  }
-
- private:
-  static std::size_t start(const glm::ivec3& p) {
-    return static_cast<std::uint32_t>(p.x + p.y * 8 + p.z * 64) % 512;
-  }
-  std::span<const glm::ivec3> bricks_;
-  std::array<std::int16_t, 512> table_;
-};
-
 // The numbers 1 to 16 of bins that stand for the odds e^-5.6 .. e^5.6, in steps of e^0.75, of 65536.
 constexpr std::array<std::uint16_t, kBins> kOdds = {235,   495,   1037,  2158,  4429,  8849,  16889, 30001,
                                                     35535, 48647, 56687, 61107, 63378, 64499, 65041, 65301};
@@ -62,7 +38,7 @@ PageState* prepareState(const PageShape& shape, Buffer<std::byte>& workspace) {
   for (auto& bins : state->models.solid)
     for (std::size_t bin = 0; bin < kBins; ++bin) bins[bin] = {kOdds[bin], 4};
   const glm::ivec3 grid = brickGrid(shape.size);
-  const Places places(shape.bricks);
+  const BrickPlaces places(shape.bricks);
   for (std::size_t b = 0; b < shape.bricks.size(); ++b) {
     for (int i = 0; i < 27; ++i) {
       const glm::ivec3 p = shape.bricks[b] + glm::ivec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);

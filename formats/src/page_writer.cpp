@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "coding_libraries.h"
+#include "distance_pages.h"
 #include "kelp/formats/fog.h"
 #include "layout.h"
 #include "metadata_writer.h"
@@ -33,40 +34,43 @@ bool fillFogPage(const PagePlan& page, Buffer<std::byte>& raw) {
   return true;
 }
 
-// Bits, and what they do not tell. False with `fault` set: a code is impossible.
-bool fillDistancePage(const PagePlan& page, Buffer<std::byte>& raw, Buffer<BrickBits>& bits,
-                      const char*& fault) {
-  if (!bits.reset(page.count) || !raw.reuse(std::size_t{page.count} * layout::kDistanceBrick)) return false;
+// Bits, and the distances that do not follow from them. False with `fault` set: a code is impossible.
+bool fillDistancePage(const PagePlan& page, Buffer<std::byte>& raw, const char*& fault) {
+  if (!raw.reuse(std::size_t{page.count} * layout::kDistanceBrick)) return false;
+  const LevelPlan& level = *page.level;
+  const std::uint8_t* const codes =
+      level.distances->codes.data() + std::size_t{page.first_slot} * kBrickVoxels;
+  std::array<BrickBits, kMaxPageBricks> bits{};
   for (std::size_t i = 0; i < std::size_t{page.count} * kBrickVoxels; ++i)
-    if (isInside(page.codes[i])) bits[i / kBrickVoxels].slices[i / 64 % 8] |= std::uint64_t{1} << (i % 64);
-  std::memcpy(raw.data(), bits.data(), bits.size() * sizeof(BrickBits));
-  std::byte* const corrections = raw.data() + bits.size() * sizeof(BrickBits);
+    if (isInside(codes[i])) bits[i / kBrickVoxels].slices[i / 64 % 8] |= std::uint64_t{1} << (i % 64);
+  std::memcpy(raw.data(), bits.data(), page.count * sizeof(BrickBits));
+  std::byte* correction = raw.data() + page.count * sizeof(BrickBits);
+  const DistanceBits known{level.lattice.size, level.distances->band,
+                           level.bricks.span().subspan(page.first_slot, page.count),
+                           std::span(bits).first(page.count)};
+  const BrickPlaces finder(known.places);
   for (std::size_t brick = 0; brick < page.count; ++brick) {
+    const std::span of(codes + brick * kBrickVoxels, kBrickVoxels);
     std::array<std::uint8_t, kBrickVoxels> predicted;
-    predictDistances(*page.distances, page.first_slot, bits.span(), brick, predicted);
-    fault = findDistanceFault(*page.distances, brickAt(*page.distances, page.first_slot + brick),
-                              {page.codes + brick * kBrickVoxels, kBrickVoxels}, predicted);
+    predictDistances(known, finder, brick, predicted);
+    fault = findDistanceFault(known, brick, of, predicted);
     if (fault) return false;
-    for (std::size_t i = 0; i < kBrickVoxels; ++i) {
-      const std::uint8_t code = page.codes[brick * kBrickVoxels + i];
-      corrections[brick * kBrickVoxels + i] =
-          static_cast<std::byte>(code == predicted[i] ? 0 : squaredOf(code));
-    }
+    for (std::size_t i = 0; i < kBrickVoxels; ++i)
+      *correction++ = static_cast<std::byte>(of[i] == predicted[i] ? 0 : squaredOf(of[i]));
   }
   return true;
 }
 
-// A thread's memory for packing one page after the other.
+// The memory of a thread that packs one page after the other.
 struct Workshop {
   FrameEncoder encoder;
   Buffer<std::byte> raw, frame, workspace;
-  Buffer<BrickBits> bits;
   Buffer<std::uint8_t> codes;
 };
 
 // The blocks of the coarser level over the bricks of a page.
 void findBlocks(const LevelPlan& level, std::span<const glm::ivec3> bricks, std::span<CoarseBlock> above) {
-  const glm::ivec3 grid = brickGrid(levelSize(level.size, 1));
+  const glm::ivec3 grid = brickGrid(levelSize(level.lattice.size, 1));
   std::uint32_t known = kCellInside;  // the cell whose shape it is
   BrickShape shape;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -102,7 +106,7 @@ Result<void> encodePage(const PagePlan& page, Effort effort, Workshop& shop) {
     shape.above = std::span(above).first(page.count);
     findBlocks(level, shape.bricks, std::span(above).first(page.count));
   }
-  shape.size = level.size;
+  shape.size = level.lattice.size;
   shape.palette = static_cast<std::uint32_t>(level.palette);
   return encodeSolidPage(shape, shop.codes.span(),
                          std::span(level.raw->attributes)
@@ -112,12 +116,12 @@ Result<void> encodePage(const PagePlan& page, Effort effort, Workshop& shop) {
 
 // The bytes of the page in shop.frame, and its decoded size.
 Result<std::size_t> encode(const PagePlan& page, Effort effort, Workshop& shop) {
-  if (!page.distances && page.level->raw->density.empty()) {
+  if (page.level->lattice.channels == 0) {
     if (const Result<void> encoded = encodePage(page, effort, shop); !encoded) return encoded.error();
     return std::size_t{page.count} * kBrickVoxels + std::size_t{page.attributes} * sizeof(std::uint32_t);
   }
   const char* fault = nullptr;
-  if (!(page.distances ? fillDistancePage(page, shop.raw, shop.bits, fault) : fillFogPage(page, shop.raw)))
+  if (!(page.level->distances ? fillDistancePage(page, shop.raw, fault) : fillFogPage(page, shop.raw)))
     return fault ? Error{ErrorCode::kMisuse, fault} : kNoMemory;
   if (!shop.frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw))) return kNoMemory;
   const std::size_t size = shop.encoder.encode(shop.raw.span(), shop.frame.span());
@@ -154,14 +158,14 @@ void packNextPages(void* user) {
 
 }  // namespace
 
-std::size_t planPages(const LevelPlan& plan, std::span<PagePlan> pages) {
-  const RawLevel& level = *plan.raw;
-  const bool fog = !level.density.empty();
-  const std::size_t bricks = fog ? level.density.size() / kFogSamples : level.codes.size() / kBrickVoxels;
-  const std::size_t brick_bytes = fog ? (level.heat.empty() ? 1 : 2) * kFogSamples : kBrickVoxels;
+std::size_t planPages(const LevelPlan& level, std::span<PagePlan> pages) {
+  const int channels = level.lattice.channels;
+  const std::size_t brick_bytes = level.lattice.distances() ? layout::kDistanceBrick
+                                  : channels > 0            ? static_cast<std::size_t>(channels * kFogSamples)
+                                                            : kBrickVoxels;
   std::size_t count = 0;
   PagePlan page;
-  page.level = &plan;
+  page.level = &level;
   const auto close = [&] {
     if (page.count == 0) return;
     if (!pages.empty()) pages[count] = page;
@@ -170,33 +174,20 @@ std::size_t planPages(const LevelPlan& plan, std::span<PagePlan> pages) {
     page.first_attribute += page.attributes;
     page.count = page.attributes = 0;
   };
-  for (std::size_t slot = 0; slot < bricks; ++slot) {
+  for (std::size_t slot = 0; slot < level.bricks.size(); ++slot) {
     const std::uint32_t surface =
-        fog ? 0 : surfaceVoxels(std::span(level.codes).subspan(slot * kBrickVoxels, kBrickVoxels));
+        channels > 0 ? 0
+                     : surfaceVoxels(std::span(level.raw->codes).subspan(slot * kBrickVoxels, kBrickVoxels));
     const std::size_t raw = std::size_t{page.count + 1} * brick_bytes +
                             std::size_t{page.attributes + surface} * sizeof(std::uint32_t);
     // The runtime adds 16 bytes to each brick of voxels and keeps pages in rows of 4 KiB: so full pages fill
     // 16 rows, and not a little of one more.
-    const std::size_t added = fog ? 0 : std::size_t{page.count + 1} * 16;
+    const std::size_t added = channels > 0 ? 0 : std::size_t{page.count + 1} * 16;
     if (raw + added > layout::kMaxPageRaw) close();
     ++page.count;
     page.attributes += surface;
   }
   close();
-  return count;
-}
-
-std::size_t planPages(const DistanceLevel& level, std::span<const std::uint8_t> codes,
-                      std::span<PagePlan> pages) {
-  constexpr std::size_t kMost = layout::kMaxPageRaw / layout::kDistanceBrick;
-  const std::size_t bricks = codes.size() / kBrickVoxels, count = (bricks + kMost - 1) / kMost;
-  for (std::size_t i = 0; i < count && !pages.empty(); ++i) {
-    PagePlan& page = pages[i];
-    page.distances = &level;
-    page.codes = codes.data() + i * kMost * kBrickVoxels;
-    page.first_slot = static_cast<std::uint32_t>(i * kMost);
-    page.count = static_cast<std::uint32_t>(std::min(kMost, bricks - i * kMost));
-  }
   return count;
 }
 

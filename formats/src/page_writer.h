@@ -7,9 +7,9 @@
 #include <memory>
 #include <span>
 
-#include "distance_pages.h"
 #include "kelp/formats/buffer.h"
 #include "kelp/formats/raw_pack.h"
+#include "voxels.h"
 
 namespace kelp {
 
@@ -21,20 +21,23 @@ struct Packed {
   bool compressed = false;
 };
 
-// A level of voxels or of fog to write.
+// A level to write: of voxels or of fog, or else of distances.
 struct LevelPlan {
+  std::size_t index = 0, part = 0;
   const RawLevel* raw = nullptr;
+  const RawDistances* distances = nullptr;
   const RawLevel* above = nullptr;  // of voxels: the next coarser one; null: there is none
-  glm::ivec3 size{0};               // in voxels
-  std::size_t palette = 0;          // entries
-  Buffer<glm::ivec3> bricks;        // the stored ones, by slot
+  Lattice lattice;
+  std::size_t palette = 0;    // entries
+  Buffer<glm::ivec3> bricks;  // the stored ones, by slot
+  std::size_t pages = 0;
+
+  std::span<const std::uint32_t> cells() const { return raw ? raw->cells : distances->cells; }
 };
 
-// The bricks of one page: of a level of voxels, or of distances.
+// The bricks of one page.
 struct PagePlan {
   const LevelPlan* level = nullptr;
-  const DistanceLevel* distances = nullptr;
-  const std::uint8_t* codes = nullptr;  // of the first brick of the page; of distances only
   std::uint32_t first_slot = 0;
   std::uint32_t count = 0;
   std::uint64_t first_attribute = 0;
@@ -44,9 +47,6 @@ struct PagePlan {
 // Distributes the bricks of a level to pages, in order, as many to a page as fit. Writes them to `pages`
 // unless it is empty. Returns the number of pages.
 std::size_t planPages(const LevelPlan& level, std::span<PagePlan> pages);
-// The same for distances, whose 512 codes for each brick are `codes`.
-std::size_t planPages(const DistanceLevel& level, std::span<const std::uint8_t> codes,
-                      std::span<PagePlan> pages);
 
 // Compresses every page. `packed` has one entry a page. The bytes do not depend on `threads`. kOutOfMemory;
 // kMisuse if codes of distances are impossible, or voxels contradict those of the next coarser level.

@@ -78,15 +78,15 @@ Result<void> checkRawLevel(const RawPart& part, std::size_t index, std::size_t p
   return {};
 }
 
-Result<std::uint32_t> checkRawDistances(const RawDistances& level, const glm::ivec3& grid) {
+Result<void> checkRawDistances(const RawDistances& level, const glm::ivec3& size) {
   if (!isPossibleBand(level.band)) return misuse("a band of distances is too narrow or too wide");
-  if (level.cells.size() != cellCount(grid))
+  if (level.cells.size() != cellCount(brickGrid(size)))
     return misuse("a level of distances does not have one cell for each brick of its grid");
-  const Result<std::uint32_t> bricks = checkDistanceCells(level.cells, grid);
+  const Result<std::uint32_t> bricks = checkCells(level.cells, {size, PageInfo::kDistances});
   if (!bricks) return misuse(bricks.error().detail);
   if (level.codes.size() != std::size_t{*bricks} * kBrickVoxels)
     return misuse("a level of distances does not have 512 codes for each stored brick");
-  return bricks;
+  return {};
 }
 
 }  // namespace kelp

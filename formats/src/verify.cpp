@@ -9,7 +9,6 @@
 
 #include "coding_libraries.h"
 #include "container.h"
-#include "distance_pages.h"
 #include "kelp/formats/fog.h"
 #include "layout.h"
 #include "metadata.h"
@@ -87,7 +86,7 @@ class Verifier {
       if (layout::isPages(chunk.fourcc)) checkStored(chunk);
       const bool fog = model_.parts[chunk.part].fog != nullptr;
       if (chunk.fourcc == layout::kDgrd) {
-        checkDistanceGrid(chunk);
+        checkGrid(chunk, true);
       } else if (chunk.fourcc == layout::kDist) {
         if (grid_good_) checkDistances();
       } else if (fog && chunk.fourcc == layout::kGrid) {
@@ -209,54 +208,54 @@ class Verifier {
     part_ = level_ = -1;
   }
 
-  void checkGrid(const ChunkInfo& chunk) {
-    const std::size_t slot = levels_.first[chunk.part] + chunk.level;
+  void checkGrid(const ChunkInfo& chunk, bool distances = false) {
+    const Part& of = model_.parts[chunk.part];
+    const std::size_t pages = distances
+                                  ? levels_.distance_pages[levels_.first_distances[chunk.part] + chunk.level]
+                                  : levels_.bricks[levels_.first[chunk.part] + chunk.level];
     grid_ = LevelGrid(allocator_);  // frees the previous one before the next is read
-    Result<LevelGrid> grid = readLevelGrid(source_, chunk, chunks()[levels_.bricks[slot]],
-                                           latticeOf(model_.parts[chunk.part], level_), limits_, allocator_);
+    Result<LevelGrid> grid =
+        readLevelGrid(source_, chunk, chunks()[pages],
+                      distances ? distanceLattice(of, level_) : latticeOf(of, level_), limits_, allocator_);
     grid_good_ = static_cast<bool>(grid);
     if (!grid) {
       known_.lost = grid.error().code;
-      return issue(idOf(grid.error(), IssueId::kGrid), grid.error());
+      return issue(idOf(grid.error(), distances ? IssueId::kDistanceGrid : IssueId::kGrid), grid.error());
     }
     grid_ = *std::move(grid);
     grid_.part = part_;
     grid_.level = level_;
-    grid_.coarsest = level_ + 1 == model_.parts[chunk.part].levels;
+    grid_.coarsest = level_ + 1 == of.levels;
   }
 
-  void checkDistanceGrid(const ChunkInfo& chunk) {
-    const std::size_t slot = levels_.first_distances[chunk.part] + chunk.level;
-    distances_ = DistanceGrid(allocator_);
-    Result<DistanceGrid> grid =
-        readDistanceLevel(source_, chunk, chunks()[levels_.distance_pages[slot]],
-                          levelSize(model_.parts[chunk.part].size, level_), limits_, allocator_);
-    grid_good_ = static_cast<bool>(grid);
-    if (!grid) return issue(idOf(grid.error(), IssueId::kDistanceGrid), grid.error());
-    distances_ = *std::move(grid);
-  }
-
-  // Calls check(page, i) for the pages of a level on all threads, each with a Page of its own, then tell(i,
-  // error) for those that are wrong, in their order.
-  template <class Page, class Check, class Tell>
-  void checkPages(std::size_t count, const Check& check, const Tell& tell) {
+  // Calls check(page, i) for the pages of the grid on all threads, each with a page of its own that has room
+  // for the words, then tell(i, error) for those that are wrong, in their order.
+  template <class Check, class Tell>
+  void checkPages(const Check& check, const Tell& tell) {
     constexpr std::size_t kAtOnce = 256;
+    const std::size_t count = grid_.pages.size();
     for (std::size_t first = 0; first < count; first += kAtOnce) {
       struct Batch {
         const Check& check;
+        const LevelGrid& grid;
         const Allocator& allocator;
         std::size_t first, end;
         std::atomic<std::size_t> next;
         std::array<std::optional<Error>, kAtOnce> wrong{};
-      } batch{check, allocator_, first, std::min(count, first + kAtOnce), first};
+      } batch{check, grid_, allocator_, first, std::min(count, first + kAtOnce), first};
       runOnThreads(
           static_cast<int>(std::min(static_cast<std::size_t>(threads_), batch.end - first)),
           [](void* user) {
             Batch& its = *static_cast<Batch*>(user);
-            Page page(its.allocator);
-            for (std::size_t i = its.next++; i < its.end; i = its.next++)
-              if (const Result<void> checked = its.check(page, i); !checked)
-                its.wrong[i - its.first] = checked.error();
+            PageData page(its.allocator);
+            for (std::size_t i = its.next++; i < its.end; i = its.next++) {
+              const PageInfo& info = its.grid.pages[i];
+              const Result<void> checked =
+                  page.words.reuse(pageWords(info))
+                      ? its.check(page, i)
+                      : Error{ErrorCode::kOutOfMemory, "no memory for a page", info.offset};
+              if (!checked) its.wrong[i - its.first] = checked.error();
+            }
           },
           &batch);
       for (std::size_t i = first; i < batch.end; ++i)
@@ -265,15 +264,11 @@ class Verifier {
   }
 
   void checkDistances() {
-    const DistanceLevel level = levelOf(distances_);
-    checkPages<DistancePage>(
-        distances_.pages.size(),
-        [&](DistancePage& page, std::size_t i) {
-          return decodeDistancePage(source_, level, distances_.pages[i], page);
-        },
-        [&](std::size_t i, const Error& error) {
-          issue(IssueId::kDistances, error, static_cast<std::int64_t>(i));
-        });
+    checkPages([&](PageData& page,
+                   std::size_t i) { return decodeDistancePage(source_, grid_, i, page.words.span(), page); },
+               [&](std::size_t i, const Error& error) {
+                 issue(IssueId::kDistances, error, static_cast<std::int64_t>(i));
+               });
   }
 
   void checkSolidPages() {
@@ -286,11 +281,12 @@ class Verifier {
     }
     if (!grid_.coarsest && known_.grid.level != level_ + 1)
       return atPage({known_.lost, "the next coarser level cannot be read"}, -1);
-    checkPages<PageData>(
-        grid_.pages.size(),
+    checkPages(
         [&](PageData& page, std::size_t i) {
-          const Result<void> decoded = decodeSolidPage(source_, grid_, i, above, model_.palette.size(), page);
-          if (decoded) std::copy(page.shapes.begin(), page.shapes.end(), shapes.begin() + page.first_slot);
+          const Result<void> decoded =
+              decodeSolidPage(source_, grid_, i, above, model_.palette.size(), page.words.span(), page);
+          if (decoded)
+            std::copy(page.shapes.begin(), page.shapes.end(), shapes.begin() + page.info.first_slot);
           return decoded;
         },
         [&](std::size_t i, const Error& error) {
@@ -358,7 +354,6 @@ class Verifier {
   LevelGrid grid_{allocator_};
   KnownLevel known_;
   PageData page_{allocator_};
-  DistanceGrid distances_{allocator_};
   std::array<std::byte, 16384> block_;
 };
 

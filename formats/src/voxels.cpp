@@ -7,7 +7,7 @@
 
 #include "coding_libraries.h"
 #include "container.h"
-#include "eight_codes.h"
+#include "distance_pages.h"
 #include "kelp/formats/empty_boxes.h"
 #include "kelp/formats/fog.h"
 #include "layout.h"
@@ -35,7 +35,7 @@ Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const Lat
   std::uint32_t next = 0;
   for (MortonWalk walk(brickGrid(lattice.size)); !walk.done(); walk.next()) {
     const std::uint32_t cell = cells[static_cast<std::size_t>(walk.index())];
-    if (!(cell & kCellSolid)) continue;
+    if (lattice.distances() ? cell == kFarOutside || cell == kFarInside : !(cell & kCellSolid)) continue;
     if (cell == kCellInside) {
       const glm::ivec3& at = walk.cell();
       if (at.x < whole.x && at.y < whole.y && at.z < whole.z) continue;
@@ -55,29 +55,59 @@ Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const Lat
 Lattice latticeOf(const Part& part, int level) {
   return {latticeSize(part.kind, levelSize(part.size, level)), part.fog ? part.fog->channels() : 0};
 }
+Lattice distanceLattice(const Part& part, int level) {
+  return {levelSize(part.size, level), PageInfo::kDistances};
+}
+
+namespace {
+
+// Where the cells of a grid's chunk begin, and its table of pages.
+struct GridPlaces {
+  explicit GridPlaces(const Lattice& lattice)
+      : cells_at(lattice.distances() ? layout::kDgrdHeader : 0),
+        cells(cellCount(brickGrid(lattice.size))),
+        table_at(layout::align(cells_at + cells, 8)) {}
+  std::uint64_t cells_at, cells, table_at;
+};
+
+}  // namespace
 
 Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
                        const Pack::ChunkInfo& bricks, LevelGrid& out) {
   out.size = lattice.size;
   out.grid = brickGrid(lattice.size);
-  const std::uint64_t cells = cellCount(out.grid), table_at = layout::align(cells, 8);
-  if (chunk.size() < table_at || (chunk.size() - table_at) % layout::kPageEntryBytes != 0) {
+  const GridPlaces at(lattice);
+  if (chunk.size() < at.table_at || (chunk.size() - at.table_at) % layout::kPageEntryBytes != 0)
     return Error{ErrorCode::kCorrupt, "a grid's size does not match the part's size", 0};
+  if (lattice.distances()) {
+    out.band = {layout::load<std::uint8_t>(chunk, 0), layout::load<std::uint8_t>(chunk, 1)};
+    if (!isPossibleBand(out.band))
+      return Error{ErrorCode::kCorrupt, "a band of distances is not 16 to 225 outside and 4 to 28 inside", 0};
   }
-  const std::span<const std::byte> bytes = chunk.first(static_cast<std::size_t>(cells));
-  for (std::uint64_t i = cells; i < table_at; ++i) {
-    if (chunk[static_cast<std::size_t>(i)] != std::byte{0})
-      return Error{ErrorCode::kCorrupt, "a grid's padding is not zero", i};
-  }
-  const Result<std::uint32_t> stored = countStored(bytes);
-  if (!stored) return stored.error();
-  if (const Result<void> pages = parsePages(chunk, table_at, bricks, *stored, lattice.channels, out.pages);
+  const auto isZero = [&](std::uint64_t from, std::uint64_t to) {
+    return std::all_of(chunk.begin() + static_cast<std::ptrdiff_t>(from),
+                       chunk.begin() + static_cast<std::ptrdiff_t>(to),
+                       [](std::byte b) { return b == std::byte{0}; });
+  };
+  if (const std::uint64_t end = at.cells_at + at.cells;
+      (lattice.distances() && !isZero(2, at.cells_at)) || !isZero(end, at.table_at))
+    return Error{ErrorCode::kCorrupt, "a reserved byte of a grid is not zero", end};
+  const std::span<const std::byte> bytes =
+      chunk.subspan(static_cast<std::size_t>(at.cells_at), static_cast<std::size_t>(at.cells));
+  const auto inChunk = [&](Error error) {
+    error.offset += at.cells_at;
+    return error;
+  };
+  const Result<std::uint32_t> stored = countStored(bytes, lattice);
+  if (!stored) return inChunk(stored.error());
+  if (const Result<void> pages = parsePages(chunk, at.table_at, bricks, *stored, lattice.channels, out.pages);
       !pages)
     return pages;
   if (out.pages.size() >= kMaxPages) return Error{ErrorCode::kLimit, "a level has more than 131071 pages", 0};
-  if (!out.cells.reset(cells) || !out.bricks.reset(*stored))
+  if (!out.cells.reset(at.cells) || !out.bricks.reset(*stored))
     return Error{ErrorCode::kOutOfMemory, "no memory for a grid", 0};
-  return loadCells(bytes, lattice.channels, out);
+  if (const Result<void> loaded = loadCells(bytes, lattice, out); !loaded) return inChunk(loaded.error());
+  return {};
 }
 
 Result<void> parsePages(std::span<const std::byte> chunk, std::uint64_t table_at,
@@ -118,13 +148,13 @@ Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chu
                                 const Allocator& allocator) {
   // Checked before memory is allocated: the chunk has all cells, and no more pages than bricks or than the
   // stored bytes can hold.
-  const std::uint64_t cells = cellCount(brickGrid(lattice.size)), table_at = layout::align(cells, 8),
-                      least_page = lattice.channels > 0 ? layout::kLeastFrame : 1;
-  if (chunk.raw < table_at ||
-      (chunk.raw - table_at) / layout::kPageEntryBytes > std::min(cells, bricks.stored / least_page)) {
+  const GridPlaces at(lattice);
+  const std::uint64_t least_page = lattice.channels > 0 ? layout::kLeastFrame : 1;
+  if (chunk.raw < at.table_at ||
+      (chunk.raw - at.table_at) / layout::kPageEntryBytes > std::min(at.cells, bricks.stored / least_page)) {
     return Error{ErrorCode::kCorrupt, "a grid's size does not match the part's size", chunk.offset};
   }
-  if (cells > limits.max_decoded_bytes / kCellMemory)
+  if (at.cells > limits.max_decoded_bytes / kCellMemory)
     return Error{ErrorCode::kLimit, "a grid takes more memory than max_decoded_bytes", chunk.offset};
   Buffer<std::byte> bytes(allocator);
   if (const Result<void> read = readChunk(source, chunk, limits, bytes, allocator); !read)
@@ -133,7 +163,7 @@ Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chu
   if (const Result<void> parsed = parseGrid(bytes.span(), lattice, bricks, grid); !parsed)
     return inFile(parsed.error(), chunk);
   bytes = Buffer<std::byte>(allocator);  // before more is allocated
-  if (!growBoxes(grid.cells.span(), grid.grid, allocator))
+  if (!lattice.distances() && !growBoxes(grid.cells.span(), grid.grid, allocator))
     return Error{ErrorCode::kOutOfMemory, "no memory for a grid", chunk.offset};
   return Result<LevelGrid>(std::move(grid));
 }
@@ -142,29 +172,12 @@ bool isPossiblePage(const PageInfo& page) {
   if (page.stored < 1 || page.stored > layout::kMaxPageStored || page.raw > layout::kMaxPageRaw ||
       page.count < 1 || page.count > kMaxPageBricks)
     return false;
-  if (page.channels == layout::kDistanceChannels) return page.raw == page.count * layout::kDistanceBrick;
+  if (page.channels == PageInfo::kDistances) return page.raw == page.count * layout::kDistanceBrick;
   if (page.channels > 0) return page.channels <= 2 && page.raw == page.count * page.channels * kFogSamples;
   return page.raw >= page.count * kBrickVoxels &&
          (page.raw - page.count * kBrickVoxels) % sizeof(std::uint32_t) == 0;
 }
 
-void giveRanks(std::span<std::uint8_t> codes) {
-  for (std::size_t slice = 0; slice + EightCodes::kSlice <= codes.size(); slice += EightCodes::kSlice) {
-    std::uint64_t rank = 0;
-    for (std::size_t i = 0; i < EightCodes::kSlice; i += 8) {
-      std::uint8_t* const at = codes.data() + slice + i;
-      EightCodes eight(at);
-      const std::uint64_t surface = eight.surfaceBytes(), voxels = eight.surfaceVoxels();
-      eight.codes = (eight.codes & ~surface) | (eight.ranked(rank) & surface);
-      eight.store(at);
-      rank += voxels;
-    }
-  }
-}
-
-namespace {
-
-// Reads the bytes of a page into `stored` and compares them with its checksum.
 Result<void> readStored(const Source& source, const PageInfo& page, std::span<std::byte> stored) {
   if (const Result<void> read = readBytes(source, page.offset, stored); !read) return read;
   if (checksum(stored) != page.checksum)
@@ -172,49 +185,67 @@ Result<void> readStored(const Source& source, const PageInfo& page, std::span<st
   return {};
 }
 
-}  // namespace
-
 Result<void> decodeFogPage(const Source& source, const PageInfo& page, PageData& out) {
   // One block of memory for everything that decoding needs: workspace of zstd, stored page.
   const std::size_t workspace_bytes = static_cast<std::size_t>(layout::align(decodeWorkspaceBytes(), 16));
-  if (!out.scratch.reuse(workspace_bytes + page.stored) || !out.codes.reuse(0) || !out.attributes.reuse(0) ||
-      !out.shapes.reuse(0) || !out.fog.reuse(page.raw))
+  if (!out.scratch.reuse(workspace_bytes + page.stored) || !out.shapes.reuse(0) || !out.fog.reuse(page.raw))
     return Error{ErrorCode::kOutOfMemory, "no memory for a page", page.offset};
   const std::span<std::byte> stored = out.scratch.span().subspan(workspace_bytes, page.stored);
   if (const Result<void> read = readStored(source, page, stored); !read) return read;
-  out.first_slot = page.first_slot;
-  out.count = page.count;
+  out.info = page;
   if (!decodeFrame(stored, std::as_writable_bytes(out.fog.span()), out.scratch.span().first(workspace_bytes)))
     return Error{ErrorCode::kCorrupt, "a page does not decompress to its raw size", page.offset};
   return {};
 }
 
 Result<void> decodeSolidPage(const Source& source, const LevelGrid& grid, std::size_t index,
-                             const LevelAbove& given, std::size_t palette, PageData& out) {
+                             const LevelAbove& given, std::size_t palette, std::span<std::uint32_t> words,
+                             PageData& out) {
   const PageInfo& page = grid.pages[index];
   const LevelAbove above = grid.coarsest ? LevelAbove() : given;
   PageFrame frame;
   if (const Result<void> made = frame.make(grid, index, above, palette); !made) return made;
-  const std::size_t code_bytes = std::size_t{page.count} * kBrickVoxels,
-                    attributes = (page.raw - code_bytes) / sizeof(std::uint32_t);
-  if (!out.scratch.reuse(page.stored) || !out.codes.reuse(code_bytes) || !out.attributes.reuse(attributes) ||
-      !out.shapes.reuse(page.count) || !out.fog.reuse(0))
+  if (!out.scratch.reuse(page.stored) || !out.shapes.reuse(page.count) || !out.fog.reuse(0))
     return Error{ErrorCode::kOutOfMemory, "no memory for a page", page.offset};
   if (const Result<void> read = readStored(source, page, out.scratch.span()); !read) return read;
-  if (const Result<void> decoded = decodeSolidPage(frame.shape, out.scratch.span(), out.workspace,
-                                                   out.codes.span(), out.attributes.span());
+  if (const Result<void> decoded =
+          decodeSolidPage(frame.shape, out.scratch.span(), out.workspace, out.shapes.span(),
+                          words.subspan(std::size_t{page.count} * kBrickWords));
       !decoded)
     return Error{decoded.error().code, decoded.error().detail, page.offset};
-  out.first_slot = page.first_slot;
-  out.count = page.count;
-  shapesOf(out.codes.span(), out.shapes.span());
-  chooseBoxes(grid, index, above, out.shapes.span(), out.codes.span());
-  giveRanks(out.codes.span());
+  out.info = page;
+  writeBricks(grid, index, above, out.shapes.span(), words);
   return {};
 }
 
+void writeFog(const PageInfo& page, std::span<const std::uint8_t> samples, std::span<std::uint32_t> words) {
+  std::uint32_t* word = words.data();
+  for (std::size_t b = 0; b < page.count; ++b) {
+    for (std::size_t channel = 0; channel < page.channels; ++channel) {
+      const std::uint8_t* const brick = samples.data() + (channel * page.count + b) * kFogSamples;
+      for (int z = 0; z < kFogSide; ++z) {
+        for (int y = 0; y < kBrickSide; ++y) {
+          const std::uint8_t* const row = brick + kFogSide * (y + kFogSide * z);
+          for (int x = 0; x < kBrickSide; ++x) {
+            const std::uint8_t* const s = row + x;
+            *word++ = std::uint32_t{s[0]} | std::uint32_t{s[1]} << 8 | std::uint32_t{s[kFogSide]} << 16 |
+                      std::uint32_t{s[kFogSide + 1]} << 24;
+          }
+        }
+      }
+    }
+  }
+}
+
+std::uint32_t pageWords(const PageInfo& page) {
+  if (page.channels == PageInfo::kDistances) return kCodeWords * page.count;
+  if (page.channels > 0) return kFogChannelWords * page.channels * page.count;
+  const std::uint32_t attributes = (page.raw - page.count * kBrickVoxels) / sizeof(std::uint32_t);
+  return kBrickWords * page.count + attributes;
+}
+
 std::span<const std::uint8_t> fogChannel(const PageData& page, int channel) {
-  const std::size_t bytes = std::size_t{page.count} * kFogSamples;
+  const std::size_t bytes = std::size_t{page.info.count} * kFogSamples;
   return page.fog.span().subspan(static_cast<std::size_t>(channel) * bytes, bytes);
 }
 

@@ -14,8 +14,11 @@ namespace kelp {
 struct Lattice {
   glm::ivec3 size{0};
   int channels = 0;  // see PageInfo
+
+  bool distances() const { return channels == PageInfo::kDistances; }
 };
 Lattice latticeOf(const Part& part, int level);
+Lattice distanceLattice(const Part& part, int level);
 
 // Checks the cells of a grid: reserved bits, slots that ascend from 0 in Morton order, bricks that are inside
 // and reach beyond the level. Returns the number of stored bricks, at least 1. The offset of an error is the
@@ -25,8 +28,19 @@ Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const Lat
 // Number of cells of a grid.
 std::uint64_t cellCount(const glm::ivec3& grid);
 
-// Reads a decoded GRID chunk of a level whose BRCK or FOGB chunk is `bricks`. The offset of an error counts
-// from the start of the chunk.
+// Cells as the file has them, a byte each: SPEC.md, 5.2.
+// Writes the bytes of a level's cells (kelp/formats/raw_pack.h). bytes: one a cell.
+void storeCells(std::span<const std::uint32_t> cells, const Lattice& lattice, std::span<std::byte> bytes);
+
+// How many of the bricks are stored, at least 1. The offset of an error is the index of the byte.
+Result<std::uint32_t> countStored(std::span<const std::byte> bytes, const Lattice& lattice);
+
+// Fills out.cells and out.bricks, which have their size, with what the bytes say. out.size, out.grid and
+// out.pages are known. Boxes are left 0. The offset of an error is the index of the byte.
+Result<void> loadCells(std::span<const std::byte> bytes, const Lattice& lattice, LevelGrid& out);
+
+// Reads a decoded GRID or DGRD chunk of a level whose pages are in the chunk `bricks`. The offset of an error
+// counts from the start of the chunk.
 Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
                        const Pack::ChunkInfo& bricks, LevelGrid& out);
 
@@ -45,16 +59,23 @@ Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chu
 // True if the page's numbers are possible; then its memory is bounded.
 bool isPossiblePage(const PageInfo& page);
 
-// Adds ranks to the codes of a page: whole bricks, where each surface voxel has code 64.
-void giveRanks(std::span<std::uint8_t> codes);
-
-// Reads a page of fog, checks its checksum and decodes it. Its size is then right. The offset of an error is
-// the page's.
+// Reads a page of fog into out.fog, checks its checksum and decodes it. Its size is then right. The offset of
+// an error is the page's, here and below.
 Result<void> decodeFogPage(const Source& source, const PageInfo& page, PageData& out);
-// The same for a page of voxels. Its codes, their boxes and ranks, its shapes, and which palette entries it
-// names are then right. above: is not looked at if the level is the coarsest. palette: entries.
+// Reads a page of voxels, checks its checksum and decodes it into its words. They are then right, and so are
+// its shapes. above: is not looked at if the level is the coarsest. palette: entries.
 Result<void> decodeSolidPage(const Source& source, const LevelGrid& grid, std::size_t index,
-                             const LevelAbove& above, std::size_t palette, PageData& out);
+                             const LevelAbove& above, std::size_t palette, std::span<std::uint32_t> words,
+                             PageData& out);
+// The same for distances. They are then as right as the page alone can tell.
+Result<void> decodeDistancePage(const Source& source, const LevelGrid& grid, std::size_t index,
+                                std::span<std::uint32_t> words, PageData& out);
+
+// Reads the bytes of a page and compares them with its checksum.
+Result<void> readStored(const Source& source, const PageInfo& page, std::span<std::byte> stored);
+
+// Writes the words of a page of fog.
+void writeFog(const PageInfo& page, std::span<const std::uint8_t> samples, std::span<std::uint32_t> words);
 
 // The samples of one channel of all bricks of a page of fog.
 std::span<const std::uint8_t> fogChannel(const PageData& page, int channel);
@@ -71,16 +92,5 @@ std::int64_t findWrongPaletteIndex(std::span<const std::uint32_t> attributes, st
 // True if a brick has a solid voxel outside a level of `size` voxels. codes: its 512 codes. brick: its place
 // in the grid.
 bool hasSolidOutside(std::span<const std::uint8_t> codes, const glm::ivec3& brick, const glm::ivec3& size);
-
-// Cells as the file has them, a byte each: SPEC.md, 5.2. Writes the bytes of a level's cells
-// (kelp/formats/raw_pack.h). bytes: one a cell.
-void storeCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid, std::span<std::byte> bytes);
-
-// How many of the bricks are stored, at least 1. The offset of an error is the index of the byte.
-Result<std::uint32_t> countStored(std::span<const std::byte> bytes);
-
-// Fills out.cells and out.bricks, which have their size, with what the bytes say. out.size, out.grid and
-// out.pages are known. Boxes are left 0. The offset of an error is the index of the byte.
-Result<void> loadCells(std::span<const std::byte> bytes, int channels, LevelGrid& out);
 
 }  // namespace kelp

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is said when a pack has nothing of some name: the names that it has.
+// The error for a name that a pack does not have: it lists those that it has.
 #pragma once
 
 #include <cstring>

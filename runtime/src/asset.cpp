@@ -16,144 +16,154 @@ Asset::Impl::~Impl() {
   }
 }
 
+int Asset::Impl::levelsOf(int part, bool distances) const {
+  const std::size_t i = 2 * static_cast<std::size_t>(part) + (distances ? 1 : 0);
+  return static_cast<int>(first_level[i + 1] - first_level[i]);
+}
+
+LevelState* Asset::Impl::find(int part, int level, bool distances) const {
+  if (part < 0 || static_cast<std::size_t>(part) >= pack.parts().size()) return nullptr;
+  if (level < 0 || level >= levelsOf(part, distances)) return nullptr;
+  const std::uint32_t at = place[first_level[2 * static_cast<std::size_t>(part) + (distances ? 1 : 0)] +
+                                 static_cast<std::uint32_t>(level)];
+  return at == kNoPlace ? nullptr : &states[at];
+}
+
 Result<void> Asset::Impl::prepareLevels() {
-  const std::span<const Part> parts = pack.parts();
+  const Error no_memory{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
+  const std::size_t parts = pack.parts().size();
+  if (!first_level.reset(2 * parts + 1)) return no_memory;
   std::uint32_t total = 0;
-  int deepest = 0;
-  if (!first_level.reset(parts.size()))
-    return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    first_level[i] = total;
-    total += static_cast<std::uint32_t>(parts[i].levels);
-    deepest = parts[i].levels > deepest ? parts[i].levels : deepest;
+  for (std::size_t part = 0; part < parts; ++part) {
+    first_level[2 * part] = total;
+    total += static_cast<std::uint32_t>(pack.parts()[part].levels);
+    first_level[2 * part + 1] = total;
+    if (options.distance_level >= 0)
+      total += static_cast<std::uint32_t>(pack.distanceLevels(static_cast<int>(part)));
   }
+  first_level[2 * parts] = total;
   states.reset(new (std::nothrow) LevelState[total]);
-  if (!states || !place.reset(total))
-    return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
-  state_count = total;
-  std::uint32_t n = 0;
-  for (int level = deepest - 1; level >= 0; --level) {
-    for (std::size_t part = 0; part < parts.size(); ++part) {
-      if (level >= parts[part].levels) continue;
-      states[n].part = static_cast<int>(part);
-      states[n].level = level;
-      states[n].coarsest = level + 1 == parts[part].levels;
-      states[n].index = n;
-      noteOpen(states[n]);
-      place[first_level[part] + static_cast<std::uint32_t>(level)] = n++;
-    }
-  }
+  if (!states || !place.reset(total)) return no_memory;
+  std::fill(place.begin(), place.end(), kNoPlace);
+  addLevels(false);
+  voxel_count = first_open[static_cast<std::size_t>(Kind::kDistances)] = state_count;
+  addLevels(true);
   constexpr std::uint32_t kGridChunk = 'G' | 'R' << 8 | 'I' << 16 | 'D' << 24;
+  constexpr std::uint32_t kDistanceChunk = 'D' | 'G' << 8 | 'R' << 16 | std::uint32_t{'D'} << 24;
   for (const Pack::ChunkInfo& chunk : pack.chunks()) {
-    if (chunk.fourcc != kGridChunk) continue;
-    if (LevelState* state = find(static_cast<int>(chunk.part), static_cast<int>(chunk.level)))
+    if (chunk.fourcc != kGridChunk && chunk.fourcc != kDistanceChunk) continue;
+    if (LevelState* state =
+            find(static_cast<int>(chunk.part), static_cast<int>(chunk.level), chunk.fourcc == kDistanceChunk))
       state->grid_raw = chunk.raw;
   }
   return {};
 }
 
-LevelState* Asset::Impl::find(int part, int level) const {
-  if (part < 0 || static_cast<std::size_t>(part) >= pack.parts().size()) return nullptr;
-  if (level < 0 || level >= pack.parts()[static_cast<std::size_t>(part)].levels) return nullptr;
-  return &states[place[first_level[static_cast<std::size_t>(part)] + static_cast<std::uint32_t>(level)]];
-}
-
-bool Asset::Impl::makeScratch(Scratch*& memory) const {
-  if (!memory) memory = new (std::nothrow) Scratch(options.allocator);
-  return memory != nullptr;
-}
-
-// Memory for decoding, if some is left.
-Scratch* Asset::Impl::takeScratch() {
-  Scratch* const taken = scratch;
-  if (taken) scratch = taken->next;
-  return taken;
-}
-
-Result<void> Asset::Impl::loadPage(const Task& task, Scratch*& memory) {
-  if (!makeScratch(memory)) return Error{ErrorCode::kOutOfMemory, "no memory to decode a page"};
-  Scratch& decoded = *memory;
-  const PageInfo& info = task.level->grid.pages[task.page];
-  const LevelState* const coarser = find(task.level->part, task.level->level + 1);
-  LevelAbove above;
-  if (coarser) above = {&coarser->grid, coarser->shapes.span()};
-  if (Result<void> read = pack.readPage(task.level->grid, task.page, above, decoded.page); !read) return read;
-  const std::uint32_t count = pageWords(info);
-  auto* words = static_cast<std::uint32_t*>(
-      options.allocator.allocate(options.allocator.user, count * sizeof(std::uint32_t)));
-  if (!words) return Error{ErrorCode::kOutOfMemory, "no memory for a page", info.offset};
-  if (!arrangePage(decoded.page, {words, count})) {
-    options.allocator.deallocate(options.allocator.user, words, count * sizeof(std::uint32_t));
-    return Error{ErrorCode::kCorrupt, "codes and attributes do not match", info.offset};
+// Adds the levels of all parts, coarse to fine.
+void Asset::Impl::addLevels(bool distances) {
+  const auto parts = static_cast<int>(pack.parts().size());
+  int deepest = 0;
+  for (int part = 0; part < parts; ++part) deepest = std::max(deepest, levelsOf(part, distances));
+  for (int level = deepest - 1; level >= 0; --level) {
+    for (int part = 0; part < parts; ++part) {
+      const int last = levelsOf(part, distances) - 1;
+      if (level > last || (distances && level < std::min(options.distance_level, last))) continue;
+      const auto index = static_cast<std::uint32_t>(state_count++);
+      LevelState& state = states[index];
+      state.part = part;
+      state.level = level;
+      state.distances = distances;
+      state.coarsest = !distances && level == last;
+      state.coarser = find(part, level + 1, distances);
+      state.index = index;
+      place[first_level[2 * static_cast<std::size_t>(part) + (distances ? 1 : 0)] +
+            static_cast<std::uint32_t>(level)] = index;
+      noteOpen(state);
+    }
   }
-  PageSlot& slot = task.level->pages[task.page];
-  if (!slot.shaped && !task.level->shapes.empty())
-    std::copy(decoded.page.shapes.begin(), decoded.page.shapes.end(),
-              task.level->shapes.begin() + info.first_slot);
-  slot.used.store(round.load(std::memory_order_relaxed), std::memory_order_relaxed);
-  slot.words.store(words, std::memory_order_release);
-  return {};
 }
 
-// The source has not got what the task needs: it is left until the pass ends.
-void Asset::Impl::postpone(const Task& task, std::uint64_t reserved) {
-  used_bytes.fetch_sub(reserved, std::memory_order_relaxed);
-  (task.page == Task::kGrid ? task.level->stage : task.level->pages[task.page].stage) = Stage::kWaiting;
-  ++waiting;
-  ++postponed;
+// Without the mutex. `memory` is made if it is null.
+Result<void> Asset::Impl::load(const Task& task, Scratch*& memory) {
+  if (task.page == Task::kGrid) return task.level->load(pack, options.allocator);
+  if (!memory) memory = new (std::nothrow) Scratch(options.allocator);
+  if (!memory) return Error{ErrorCode::kOutOfMemory, "no memory to decode a page"};
+  return task.level->loadPage(pack, task.page, round.load(std::memory_order_relaxed), memory->page,
+                              options.allocator);
 }
 
-// Nothing is left to do, except what was postponed: the next pump() tries that again.
+// Calls visit(task) for each grid and page of the stage, which may change it.
+template <class Visit>
+void Asset::Impl::forEachOf(Stage stage, const Visit& visit) {
+  for (std::size_t i = 0; i < state_count; ++i) {
+    LevelState& level = states[i];
+    if (level.stage == stage) visit(Task{&level, Task::kGrid});
+    if (level.stage != Stage::kResident) continue;
+    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page)
+      if (level.pages[page].stage == stage) visit(Task{&level, page});
+  }
+}
+
+// Nothing is left to do, except what waits: the next pump() tries that again.
 void Asset::Impl::endPass() {
   ++passes;
   some_waited = waiting > 0;
-  waiting -= reopenDistances(Stage::kWaiting);
-  for (std::size_t i = 0; waiting > 0 && i < state_count; ++i) {
-    LevelState& level = states[i];
-    if (level.stage == Stage::kWaiting) {
-      level.stage = Stage::kAbsent;
-      --waiting;
-    }
-    const auto pages =
-        static_cast<std::uint32_t>(level.stage == Stage::kResident ? level.grid.pages.size() : 0);
-    for (std::uint32_t page = 0; waiting > 0 && page < pages; ++page) {
-      if (level.pages[page].stage != Stage::kWaiting) continue;
-      setAbsent(level, page);
-      --waiting;
-    }
-    noteOpen(level);
-  }
-  if (some_waited) changes.fetch_add(1, std::memory_order_relaxed);
+  if (some_waited) forEachOf(Stage::kWaiting, [&](const Task& task) { setStage(task, Stage::kAbsent); });
+  waiting = 0;
   if (!driven.load(std::memory_order_relaxed) && (memory_short || round.load(std::memory_order_relaxed) > 0))
     round.fetch_add(1, std::memory_order_relaxed);
 }
 
-void Asset::Impl::finish(const Task& task, std::uint64_t reserved, bool done) {
+// Nothing may be in hand: what is decoded without a page that failed must not see it come.
+void Asset::Impl::reopenFailed() {
+  retry_wanted = any_error = false;
+  for (std::size_t i = 0; i < state_count; ++i) states[i].failure.store(0, std::memory_order_relaxed);
+  forEachOf(Stage::kFailed, [&](const Task& task) {
+    if (task.page != Task::kGrid) task.level->pages[task.page].failed.store(false, std::memory_order_relaxed);
+    setStage(task, Stage::kAbsent);
+  });
+  changes.fetch_add(1, std::memory_order_relaxed);
+}
+
+// A task is no longer in hand. `reserved`: its bytes.
+void Asset::Impl::finish(const Task& task, std::uint64_t reserved, const Result<void>& done) {
   LevelState& level = *task.level;
-  const Stage stage = done ? Stage::kResident : Stage::kFailed;
   if (!done) used_bytes.fetch_sub(reserved, std::memory_order_relaxed);
-  if (task.page != Task::kGrid) {
-    level.pages[task.page].stage = stage;
-    level.pages[task.page].shaped |= done;
-    level.pages[task.page].request.failed.store(!done, std::memory_order_relaxed);
-    if (done) level.resident.fetch_add(1, std::memory_order_release);
-    if (done && !level.coarsest) page_bytes += reserved;
+  if (!done && done.error().code == ErrorCode::kNotYet) {
+    setStage(task, Stage::kWaiting);
+    ++waiting;
+    ++postponed;
     return;
   }
-  level.stage = stage;
-  if (done) {
-    used_bytes.fetch_add(level.bytes() - reserved, std::memory_order_relaxed);  // it was an estimate
-    noteOpen(level);
-    level.ready.store(true, std::memory_order_release);
-    changes.fetch_add(1, std::memory_order_relaxed);  // the next finer grid can be loaded now
-  } else {                                            // the finer levels need it
-    for (int finer = level.level; finer >= 0; --finer) {
-      LevelState& lost = *find(level.part, finer);
-      lost.stage = Stage::kFailed;
-      noteOpen(lost);
-      lost.request.failed.store(true, std::memory_order_relaxed);
-    }
+  const bool grid = task.page == Task::kGrid;
+  const auto lose = [&](LevelState& lost) {
+    setStage({&lost, Task::kGrid}, Stage::kFailed);
+    lost.failure.store(static_cast<std::uint16_t>(done.error().code), std::memory_order_relaxed);
+  };
+  if (!done && grid) {
+    lose(level);
+    for (int finer = level.level - 1; finer >= 0 && !level.distances; --finer)
+      lose(*find(level.part, finer));  // it needs this one
+    return;
   }
+  setStage(task, done ? Stage::kResident : Stage::kFailed);
+  if (grid) {
+    used_bytes.fetch_add(level.bytes() - reserved, std::memory_order_relaxed);  // it was an estimate
+    changes.fetch_add(1, std::memory_order_relaxed);  // the next finer grid can be loaded now
+    if (!level.distances) level.ready.store(true, std::memory_order_release);
+    return;
+  }
+  PageSlot& slot = level.pages[task.page];
+  slot.failed.store(!done, std::memory_order_relaxed);
+  if (!done) {
+    if (level.distances)
+      level.failure.store(static_cast<std::uint16_t>(done.error().code), std::memory_order_relaxed);
+    return;
+  }
+  slot.shaped = true;
+  if (level.dropsPages()) page_bytes += reserved;
+  const bool whole = level.resident.fetch_add(1, std::memory_order_release) + 1 == level.grid.pages.size();
+  if (level.distances && whole) level.ready.store(true, std::memory_order_release);
 }
 
 Result<bool> Asset::Impl::pump(Wanted wanted) {
@@ -179,10 +189,6 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
 
 // Loads the most urgent grid or page.
 Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
-  if (distance_count > 0) {
-    const Result<Step> step = loadDistances();
-    if (!step || *step != Step::kNothing) return step;
-  }
   Task task;
   Scratch* memory = nullptr;
   std::uint64_t reserved = 0;
@@ -196,7 +202,7 @@ Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
       return in_hand > 0 ||
              (reserved <= options.memory_budget && kept_for_ever <= options.memory_budget - reserved);
     };
-    if (!task.level->coarsest &&
+    if (!task.level->coarsest && reserved > 0 &&
         used_bytes.load(std::memory_order_relaxed) + reserved > options.memory_budget) {
       // Smaller things must not wait for one that does not fit now.
       if (const std::uint64_t left = roomLeft(reserved); reserved > left && may_wait()) {
@@ -205,56 +211,24 @@ Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
         reserved = bytesOf(task);
       }
     }
-    const bool room = makeRoom(reserved, task.level->coarsest);
+    const bool room = reserved == 0 || makeRoom(reserved, task.level->coarsest);
     if (!room && may_wait()) return memory_short = true, Step::kNothing;
-    const bool grid = task.page == Task::kGrid;
-    (grid ? task.level->stage : task.level->pages[task.page].stage) = Stage::kInHand;
-    if (!grid) --task.level->absent;
-    noteOpen(*task.level);
+    setStage(task, Stage::kInHand);
     if (!room) {
-      finish(task, 0, false);
-      return fail({ErrorCode::kLimit, grid ? "memory_budget is too small for a level's grid"
-                                           : "memory_budget is too small for a page"});
+      const Error error{ErrorCode::kLimit, task.page == Task::kGrid
+                                               ? "memory_budget is too small for a level's grid"
+                                               : "memory_budget is too small for a page"};
+      finish(task, 0, error);
+      return fail(error);
     }
-    if (!grid) memory = takeScratch();
+    memory = scratch;
+    if (memory) scratch = memory->next;
     ++in_hand;
   }
 
-  const Result<void> done =
-      task.page == Task::kGrid
-          ? task.level->load(pack, find(task.level->part, task.level->level + 1), options.allocator)
-          : loadPage(task, memory);
+  const Result<void> done = load(task, memory);
   std::lock_guard lock(mutex);
-  if (!done && done.error().code == ErrorCode::kNotYet) {
-    postpone(task, reserved);
-  } else {
-    finish(task, reserved, static_cast<bool>(done));
-  }
-  return endTask(memory, done);
-}
-
-// What failed is absent again. Nothing may be in hand: what is decoded without a page that failed must not
-// see it come.
-void Asset::Impl::reopenFailed() {
-  retry_wanted = any_error = false;
-  changes.fetch_add(1, std::memory_order_relaxed);
-  reopenDistances(Stage::kFailed);
-  for (std::size_t i = 0; i < state_count; ++i) {
-    LevelState& level = states[i];
-    level.request.failed.store(false, std::memory_order_relaxed);
-    if (level.stage == Stage::kFailed) level.stage = Stage::kAbsent;
-    noteOpen(level);
-    if (level.stage != Stage::kResident) continue;
-    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
-      if (level.pages[page].stage != Stage::kFailed) continue;
-      level.pages[page].request.failed.store(false, std::memory_order_relaxed);
-      setAbsent(level, page);
-    }
-  }
-}
-
-// A task is no longer in hand.
-Result<Asset::Impl::Step> Asset::Impl::endTask(Scratch* memory, const Result<void>& done) {
+  finish(task, reserved, done);
   if (memory) {
     memory->next = scratch;
     scratch = memory;
@@ -290,7 +264,6 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& 
   if (Result<void> prepared = impl->clips.prepare(impl->pack.parts(), impl->pack.clips()); !prepared)
     return prepared.error();
   if (Result<void> prepared = impl->prepareLevels(); !prepared) return prepared.error();
-  if (Result<void> prepared = impl->prepareDistances(); !prepared) return prepared.error();
   if (!impl->absent_clip.prepare("clip", impl->pack.clips()) ||
       !impl->absent_socket.prepare("socket", impl->pack.sockets()))
     return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
@@ -334,11 +307,12 @@ Result<void> Asset::loadAll() {
     std::unique_lock lock(a.mutex);
     a.idle.wait(lock, [&a] { return a.in_hand == 0; });
     if (a.some_waited || a.waiting > 0) {
-      // What waits since before this call may have come: it is asked for first.
+      // Tasks that waited before this call may have come: they are asked for first.
       if (a.postponed == postponed_before) continue;
       return Error{ErrorCode::kNotYet, "the source has not got the rest yet"};
     }
-    if (a.anyDistancesOpen() || a.choose(Impl::Wanted::kAll, Impl::kAnySize).level) {
+    if (a.firstAbsent(Impl::Kind::kDistances, Impl::kAnySize).level ||
+        a.choose(Impl::Wanted::kAll, Impl::kAnySize).level) {
       if (a.ended != before) continue;
       return Error{ErrorCode::kLimit, "memory_budget is too small for all of the pack"};
     }
@@ -353,10 +327,17 @@ void Asset::retry() {
   if (impl_->in_hand == 0) impl_->reopenFailed();
 }
 
-const VoxelLevel* Asset::level(int part, int level) const {
+const Level* Asset::level(int part, int level) const {
   const LevelState* state = impl_->find(part, level);
   return state && state->ready.load(std::memory_order_acquire) ? &state->data : nullptr;
 }
+
+const Level* Asset::distances(int part, int level) const {
+  const LevelState* state = impl_->find(part, level, true);
+  return state && state->ready.load(std::memory_order_acquire) ? &state->data : nullptr;
+}
+
+bool Asset::loadsDistances() const { return impl_->state_count > impl_->voxel_count; }
 
 int Asset::residentLevel(int part, int wanted) const {
   if (part < 0 || static_cast<std::size_t>(part) >= impl_->pack.parts().size()) return -1;

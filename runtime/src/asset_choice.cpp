@@ -22,12 +22,12 @@ void Asset::Impl::ask(const LevelState& level, std::uint32_t page, float urgency
   if (level.pages[page].request.ask(urgency, now)) changes.fetch_add(1, std::memory_order_release);
 }
 
-// Whether the level's grid can be loaded now. The grid of the next coarser level comes first, because missing
-// bricks are looked up there.
+// Whether the level's grid can be loaded now. The grid of the next coarser level comes first: missing voxels
+// are looked up there, and coarser distances reserve their room first.
 bool Asset::Impl::isNext(const LevelState& level) const {
-  if (level.stage != Stage::kAbsent) return false;
-  const LevelState* coarser = find(level.part, level.level + 1);
-  return !coarser || coarser->stage == Stage::kResident;
+  const LevelState* const coarser = level.coarser;
+  return level.stage == Stage::kAbsent && (!coarser || coarser->stage == Stage::kResident ||
+                                           (level.distances && coarser->stage == Stage::kFailed));
 }
 
 bool Asset::Impl::isAbsent(const Task& task) const {
@@ -35,27 +35,36 @@ bool Asset::Impl::isAbsent(const Task& task) const {
   return task.level->stage == Stage::kResident && task.level->pages[task.page].stage == Stage::kAbsent;
 }
 
-// What is loaded for the sake of a task: itself, or a page of a coarser level that it is decoded with. None
-// if that page is not there yet, or failed though it is over the task's: the task has then failed too.
-// Without those beside it, its boxes end earlier.
+// The task to begin with for the sake of this one: itself, or a page of a coarser level that it is decoded
+// with. None if that page is not there yet, or failed though it is over the task's: the task has then failed
+// too. Without those beside it, its boxes end earlier.
 Asset::Impl::Task Asset::Impl::firstNeeded(const Task& task) {
   LevelState& level = *task.level;
   if (task.page == Task::kGrid || level.needs.first.empty()) return task;
-  LevelState& coarser = *find(level.part, level.level + 1);
+  LevelState& coarser = *level.coarser;
   for (const std::uint32_t page : level.needs.of(task.page)) {
     const PageSlot& slot = coarser.pages[page];
     if (slot.shaped) continue;
     if (slot.stage == Stage::kFailed) {
       if (!PagesAbove::isOver(level.grid, task.page, coarser.grid, page)) continue;
-      PageSlot& lost = level.pages[task.page];
-      lost.stage = Stage::kFailed;
-      lost.request.failed.store(true, std::memory_order_relaxed);
-      --level.absent;
-      noteOpen(level);
+      setStage(task, Stage::kFailed);
+      level.pages[task.page].failed.store(true, std::memory_order_relaxed);
     }
     return slot.stage == Stage::kAbsent ? firstNeeded({&coarser, page}) : Task();
   }
   return task;
+}
+
+void Asset::Impl::setStage(const Task& task, Stage stage) {
+  LevelState& level = *task.level;
+  Stage& of = task.stage();
+  if (task.page != Task::kGrid) {
+    if (of == Stage::kAbsent) --level.absent;
+    if (stage == Stage::kAbsent) ++level.absent, level.first_absent = std::min(level.first_absent, task.page);
+  }
+  of = stage;
+  if (stage == Stage::kAbsent) changes.fetch_add(1, std::memory_order_relaxed);
+  noteOpen(level);
 }
 
 // To be called after each change of the level's stage or of the number of its absent pages.
@@ -64,27 +73,23 @@ void Asset::Impl::noteOpen(LevelState& level) {
   if (open && !level.open) changes.fetch_add(1, std::memory_order_relaxed);
   level.open = open;
   if (!open) return;
-  first_open = std::min<std::size_t>(first_open, level.index);
-  if (level.coarsest) first_open_coarsest = std::min<std::size_t>(first_open_coarsest, level.index);
-}
-
-// The page of a resident level is to be loaded again.
-void Asset::Impl::setAbsent(LevelState& level, std::uint32_t page) {
-  level.pages[page].stage = Stage::kAbsent;
-  ++level.absent;
-  level.first_absent = std::min(level.first_absent, page);
-  noteOpen(level);
-  changes.fetch_add(1, std::memory_order_relaxed);
+  const auto note = [&](Kind kind) {
+    std::size_t& first = first_open[static_cast<std::size_t>(kind)];
+    first = std::min<std::size_t>(first, level.index);
+  };
+  note(level.distances ? Kind::kDistances : Kind::kVoxels);
+  if (level.coarsest) note(Kind::kCoarsest);
 }
 
 // The first task in the order of loading that takes less than `below` bytes.
-Asset::Impl::Task Asset::Impl::firstAbsent(bool coarsest_only, std::uint64_t below) {
-  const auto counts = [coarsest_only](const LevelState& level) {
-    return level.open && (level.coarsest || !coarsest_only);
+Asset::Impl::Task Asset::Impl::firstAbsent(Kind kind, std::uint64_t below) {
+  const std::size_t end = kind == Kind::kDistances ? state_count : voxel_count;
+  const auto counts = [kind](const LevelState& level) {
+    return level.open && (level.coarsest || kind != Kind::kCoarsest);
   };
-  std::size_t& first = coarsest_only ? first_open_coarsest : first_open;
-  while (first < state_count && !counts(states[first])) ++first;
-  for (std::size_t i = first; i < state_count; ++i) {
+  std::size_t& first = first_open[static_cast<std::size_t>(kind)];
+  while (first < end && !counts(states[first])) ++first;
+  for (std::size_t i = first; i < end; ++i) {
     LevelState& level = states[i];
     if (!counts(level)) continue;
     if (isNext(level) && bytesOf({&level, Task::kGrid}) < below) return {&level, Task::kGrid};
@@ -101,6 +106,32 @@ Asset::Impl::Task Asset::Impl::firstAbsent(bool coarsest_only, std::uint64_t bel
   return {};
 }
 
+// Whether the coarsest level of every part is in memory, as far as it can be: distances, which are never
+// dropped, must not take its room.
+bool Asset::Impl::isCoarsestDone() {
+  const auto isDone = [](Stage stage) { return stage == Stage::kResident || stage == Stage::kFailed; };
+  for (std::size_t i = 0; i < voxel_count && !coarsest_done; ++i) {
+    const LevelState& level = states[i];
+    if (!level.coarsest || level.stage == Stage::kFailed) continue;
+    if (level.stage != Stage::kResident) return false;
+    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page)
+      if (!isDone(level.pages[page].stage)) return false;
+  }
+  return coarsest_done = true;
+}
+
+// The first task of distances that fits the budget now. Those that do not fit stop nothing else.
+Asset::Impl::Task Asset::Impl::firstDistances(std::uint64_t below) {
+  Task task = firstAbsent(Kind::kDistances, below);
+  if (task.level && !isCoarsestDone()) return {};
+  while (task.level) {
+    const std::uint64_t bytes = bytesOf(task), left = roomLeft(bytes);
+    if (bytes <= left) break;
+    task = firstAbsent(Kind::kDistances, left + 1);
+  }
+  return task;
+}
+
 // Calls visit(task, urgency) for everything that was asked for and can be loaded now, in the order of
 // loading. Coarsest levels are left out: they are loaded without being asked for.
 template <class Visit>
@@ -108,7 +139,7 @@ void Asset::Impl::visitAsked(const Visit& visit) {
   const auto consider = [&](LevelState& level, std::uint32_t page, const Request& request) {
     if (const float urgency = urgencyOf(request); urgency > 0) visit(Task{&level, page}, urgency);
   };
-  for (std::size_t i = first_open; i < state_count; ++i) {
+  for (std::size_t i = first_open[static_cast<std::size_t>(Kind::kVoxels)]; i < voxel_count; ++i) {
     LevelState& level = states[i];
     if (!level.open || level.coarsest) continue;
     if (isNext(level)) consider(level, Task::kGrid, level.request);
@@ -184,10 +215,11 @@ Asset::Impl::Task Asset::Impl::mostUrgentBelow(std::uint64_t below) {
 
 // The next task that takes less than `below` bytes. Until the first request: in the order of loading.
 Asset::Impl::Task Asset::Impl::choose(Wanted wanted, std::uint64_t below) {
-  if (round.load(std::memory_order_relaxed) == 0) return firstAbsent(false, below);
-  Task task = firstAbsent(true, below);
+  if (const Task task = firstDistances(below); task.level) return task;
+  if (round.load(std::memory_order_relaxed) == 0) return firstAbsent(Kind::kVoxels, below);
+  Task task = firstAbsent(Kind::kCoarsest, below);
   if (!task.level) task = below == kAnySize ? mostUrgent() : mostUrgentBelow(below);
-  if (!task.level && wanted == Wanted::kAll) task = firstAbsent(false, below);
+  if (!task.level && wanted == Wanted::kAll) task = firstAbsent(Kind::kVoxels, below);
   return task;
 }
 

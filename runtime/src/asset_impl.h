@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The state of an asset. pump() chooses what to load while it holds `mutex`, and reads and decodes without
-// it.
+// The state of an asset; level.h says how it is streamed.
 #pragma once
 
 #include <condition_variable>
@@ -8,9 +7,8 @@
 #include <shared_mutex>
 
 #include "absent_name.h"
-#include "distance_store.h"
 #include "kelp/simd/clip_tables.h"
-#include "level_store.h"
+#include "level.h"
 
 namespace kelp::runtime {
 
@@ -19,9 +17,8 @@ constexpr std::uint32_t kPatience = 8;
 
 // Memory for decoding pages, kept for the next page.
 struct Scratch {
-  explicit Scratch(const Allocator& allocator) : page(allocator), distances(allocator) {}
+  explicit Scratch(const Allocator& allocator) : page(allocator) {}
   PageData page;
-  DistancePage distances;
   Scratch* next = nullptr;
 };
 
@@ -44,24 +41,21 @@ struct Asset::Impl {
         absent_clip(given.allocator),
         absent_socket(given.allocator),
         first_level(given.allocator),
-        place(given.allocator),
-        first_distances(given.allocator),
-        distance_place(given.allocator) {}
+        place(given.allocator) {}
   ~Impl();
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  // What to load: a page, or (kGrid) the grid of the level.
+  // Loads a page, or (kGrid) the grid of the level.
   struct Task {
     static constexpr std::uint32_t kGrid = ~0u;
     LevelState* level = nullptr;
     std::uint32_t page = kGrid;
-  };
-  struct DistanceTask {
-    DistanceState* level = nullptr;
-    std::uint32_t page = Task::kGrid;
+
+    Stage& stage() const { return page == kGrid ? level->stage : level->pages[page].stage; }
   };
   enum class Wanted : std::uint8_t { kAsked, kAll };
+  enum class Kind : std::uint8_t { kVoxels, kCoarsest, kDistances };  // of levels; the second is of voxels
   static constexpr std::uint64_t kAnySize = ~std::uint64_t{0};
 
   struct Asked {
@@ -76,22 +70,23 @@ struct Asset::Impl {
   };
 
   Result<void> prepareLevels();
-  Result<void> prepareDistances();
-  LevelState* find(int part, int level) const;
-  DistanceState* findDistances(int part, int level) const;
+  void addLevels(bool distances);
+  // Levels of the part, of distances those that the pack has.
+  int levelsOf(int part, bool distances) const;
+  // Null: there is none, or it is not to be loaded.
+  LevelState* find(int part, int level, bool distances = false) const;
   Result<bool> pump(Wanted wanted);
   enum class Step : std::uint8_t { kLoaded, kPostponed, kNothing };
   Result<Step> loadNext(Wanted wanted);
-  Result<Step> loadDistances();
   void ask(LevelState& level, float urgency, std::uint32_t now);
   void ask(const LevelState& level, std::uint32_t page, float urgency, std::uint32_t now);
 
   // Call these with the mutex held.
-  void postpone(const Task& task, std::uint64_t reserved);
   void endPass();
   Task choose(Wanted wanted, std::uint64_t below);
   bool isNext(const LevelState& level) const;
-  Task firstAbsent(bool coarsest_only, std::uint64_t below);
+  Task firstAbsent(Kind kind, std::uint64_t below);
+  Task firstDistances(std::uint64_t below);
   Task mostUrgent();
   Task mostUrgentBelow(std::uint64_t below);
   template <class Visit>
@@ -100,8 +95,10 @@ struct Asset::Impl {
   bool isAbsent(const Task& task) const;
   Task firstNeeded(const Task& task);
   float urgencyOf(const Request& request) const;
+  void setStage(const Task& task, Stage stage);
   void noteOpen(LevelState& level);
-  void setAbsent(LevelState& level, std::uint32_t page);
+  template <class Visit>
+  void forEachOf(Stage stage, const Visit& visit);
   bool mayGo(const PageSlot& slot) const;
   bool isStillIdle(const Idle& idle) const;
   void findIdle();
@@ -110,36 +107,25 @@ struct Asset::Impl {
   void evict(LevelState& level, std::uint32_t page);
   std::uint64_t bytesOf(const Task& task) const;
   void reopenFailed();
-  void finish(const Task& task, std::uint64_t reserved, bool done);
+  void finish(const Task& task, std::uint64_t reserved, const Result<void>& done);
   Error fail(const Error& error);
   bool isCoarsestDone();
-  bool anyDistancesOpen();
-  DistanceTask chooseDistances(std::uint64_t& reserved);
-  void setStage(const DistanceTask& task, Stage stage);
-  std::uint32_t reopenDistances(Stage from);
-  Scratch* takeScratch();
-  Result<Step> endTask(Scratch* memory, const Result<void>& done);
 
-  // Call these without it.
-  // Makes `memory` if it is null. False: no memory.
-  [[nodiscard]] bool makeScratch(Scratch*& memory) const;
-  Result<void> loadPage(const Task& task, Scratch*& memory);
+  // Call it without.
+  Result<void> load(const Task& task, Scratch*& memory);
 
   Pack pack;
   Options options;
   simd::ClipTables clips;
   AbsentName absent_clip, absent_socket;
-  std::unique_ptr<LevelState[]> states;  // in the order of loading: coarse to fine, then by part
-  std::size_t state_count = 0;
-  // No level before first_open is open; no coarsest level before first_open_coarsest.
-  std::size_t first_open = 0, first_open_coarsest = 0;
-  Buffer<std::uint32_t> first_level;  // of each part, into `place`
-  Buffer<std::uint32_t> place;        // part-major -> index into `states`
-  // The same for the distances that are loaded; others have no place.
+  // In the order of loading: voxels, then distances, each coarse to fine, then by part.
+  std::unique_ptr<LevelState[]> states;
+  std::size_t state_count = 0, voxel_count = 0;
+  std::size_t first_open[3] = {};  // [kind]: no level of the kind before it is open
+  // [2 part + (1 of distances)]: where the part's levels begin in `place`, and one entry more.
+  Buffer<std::uint32_t> first_level;
+  Buffer<std::uint32_t> place;  // index into `states`; kNoPlace: distances that are not to be loaded
   static constexpr std::uint32_t kNoPlace = ~0u;
-  std::unique_ptr<DistanceState[]> distances;
-  std::size_t distance_count = 0, first_open_distances = 0;
-  Buffer<std::uint32_t> first_distances, distance_place;
   bool coarsest_done = false;  // isCoarsestDone() was true
 
   std::mutex mutex;
@@ -191,24 +177,18 @@ struct NameReader {
 // Access to distances for queries, without a search.
 struct DistanceReader {
   // The level of distances of a part that exists, if it is in memory.
-  static const DistanceLevel* level(const Asset& asset, int part, int level) {
-    const Asset::Impl& impl = *asset.impl_;
-    const std::uint32_t at = impl.distance_place[impl.first_distances[static_cast<std::size_t>(part)] +
-                                                 static_cast<std::uint32_t>(level)];
-    if (at == Asset::Impl::kNoPlace) return nullptr;
-    const DistanceState& state = impl.distances[at];
-    return state.ready.load(std::memory_order_acquire) ? &state.data : nullptr;
+  static const Level* level(const Asset& asset, int part, int level) {
+    const LevelState* const state = asset.impl_->find(part, level, true);
+    return state && state->ready.load(std::memory_order_acquire) ? &state->data : nullptr;
   }
-  // Why none of the part's levels will be in memory before Asset::retry(): the coarsest one's failure. 0:
-  // one may still come.
+  // The ErrorCode because of which none of the part's levels will be in memory before Asset::retry(). 0: one
+  // may still come.
   static std::uint16_t failure(const Asset& asset, int part) {
-    const Asset::Impl& impl = *asset.impl_;
-    const auto i = static_cast<std::size_t>(part);
     std::uint16_t failure = 0;
-    for (std::uint32_t at = impl.first_distances[i]; at < impl.first_distances[i + 1]; ++at) {
-      const std::uint32_t place = impl.distance_place[at];
-      if (place == Asset::Impl::kNoPlace) continue;
-      failure = impl.distances[place].failure.load(std::memory_order_relaxed);
+    for (int level = 0; level < levels(asset, part); ++level) {
+      const LevelState* const state = asset.impl_->find(part, level, true);
+      if (!state) continue;
+      failure = state->failure.load(std::memory_order_relaxed);
       if (failure == 0) return 0;
     }
     return failure;
@@ -216,9 +196,7 @@ struct DistanceReader {
   // How many levels there may be; 0: none of them is loaded.
   static int levels(const Asset& asset, int part) {
     const Asset::Impl& impl = *asset.impl_;
-    const auto i = static_cast<std::size_t>(part);
-    return impl.distance_count == 0 ? 0
-                                    : static_cast<int>(impl.first_distances[i + 1] - impl.first_distances[i]);
+    return impl.state_count > impl.voxel_count ? impl.levelsOf(part, true) : 0;
   }
 };
 

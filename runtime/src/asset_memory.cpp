@@ -17,11 +17,11 @@ void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
     if (words) level.resident.fetch_sub(1, std::memory_order_relaxed);
   }
   if (!words) return;
-  const std::uint64_t bytes = std::uint64_t{pageWords(level.grid.pages[page])} * sizeof(std::uint32_t);
+  const std::uint64_t bytes = level.pageBytes(page);
   options.allocator.deallocate(options.allocator.user, words, static_cast<std::size_t>(bytes));
   used_bytes.fetch_sub(bytes, std::memory_order_relaxed);
   page_bytes -= bytes;
-  setAbsent(level, page);
+  setStage({&level, page}, Stage::kAbsent);
 }
 
 // Whether a page in memory may be dropped: it is not pinned and was not used recently.
@@ -47,9 +47,9 @@ void Asset::Impl::findIdle() {
   };
   idle_next = 0;
   idle_count = 0;
-  for (std::size_t i = 0; i < state_count; ++i) {
+  for (std::size_t i = 0; i < voxel_count; ++i) {
     LevelState& level = states[i];
-    if (level.coarsest || level.stage != Stage::kResident ||
+    if (!level.dropsPages() || level.stage != Stage::kResident ||
         level.resident.load(std::memory_order_relaxed) == 0)
       continue;
     for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
@@ -79,9 +79,9 @@ std::uint64_t Asset::Impl::roomLeft(std::uint64_t enough) const {
   }
   if (room >= enough) return room;
   room = unused;
-  for (std::size_t i = 0; i < state_count && room < enough; ++i) {
+  for (std::size_t i = 0; i < voxel_count && room < enough; ++i) {
     LevelState& level = states[i];
-    if (level.coarsest || level.stage != Stage::kResident) continue;
+    if (!level.dropsPages() || level.stage != Stage::kResident) continue;
     for (std::uint32_t page = 0; page < level.grid.pages.size() && room < enough; ++page) {
       if (mayGo(level.pages[page])) room += bytesOf({&level, page});
     }
@@ -114,9 +114,9 @@ bool Asset::Impl::makeRoom(std::uint64_t bytes, bool coarsest) {
 // Bytes that the task will add to used_bytes.
 std::uint64_t Asset::Impl::bytesOf(const Task& task) const {
   const LevelState& level = *task.level;
-  if (task.page != Task::kGrid)
-    return std::uint64_t{pageWords(level.grid.pages[task.page])} * sizeof(std::uint32_t);
-  return level.estimatedBytes(pack.parts()[static_cast<std::size_t>(level.part)]);
+  if (task.page == Task::kGrid)
+    return level.estimatedBytes(pack.parts()[static_cast<std::size_t>(level.part)]);
+  return level.distances ? 0 : level.pageBytes(task.page);  // of distances, the grid has reserved it
 }
 
 }  // namespace kelp::runtime

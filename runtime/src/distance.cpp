@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What may be asked of instances at all, and distance() with one of them.
+// Checks of instances for all queries, and distance() with one instance.
 #include <algorithm>
 #include <cmath>
 
 #include "asset_impl.h"
-#include "distance_queries.h"
 #include "kelp/simd/bound_knots.h"
 #include "posed_part.h"
 #include "posed_solid.h"
@@ -77,7 +76,7 @@ double leastScale(const glm::dmat3& matrix) {
     const double turn = std::acos(std::clamp(glm::determinant(d / spread) / 2, -1.0, 1.0)) / 3;
     greatest += 2 * spread * std::cos(turn);
   }
-  // What rounding may do to volume and areas, with a size of 1.
+  // Largest rounding error of volume and areas, with a size of 1.
   constexpr double kRounding = 1e-15, kClosedForm = 1e-7;
   const double volume = std::abs(glm::dot(m[0], areas[0])) - kRounding;
   return size * std::max(volume, 0.0) / (std::sqrt(greatest * (1 + kClosedForm)) + kRounding);

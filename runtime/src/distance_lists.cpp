@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "distance_queries.h"
 #include "posed_solid.h"
 
 namespace kelp::runtime {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "distance_queries.h"
 #include "solid_search.h"
 
 namespace kelp::runtime {

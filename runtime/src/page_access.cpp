@@ -28,14 +28,18 @@ void PageAccess::beginRequests(const Asset& asset) {
   asset.impl_->round.fetch_add(1, std::memory_order_relaxed);
 }
 
-void PageAccess::request(const Asset& asset, int part, int level, float urgency) {
-  if (LevelState* state = asset.impl_->find(part, level))
+const Level* PageAccess::level(const Asset& asset, const LevelId& id) {
+  return id.distances ? asset.distances(id.part, id.level) : asset.level(id.part, id.level);
+}
+
+void PageAccess::request(const Asset& asset, const LevelId& id, float urgency) {
+  if (LevelState* state = asset.impl_->find(id.part, id.level, id.distances))
     asset.impl_->ask(*state, urgency, asset.impl_->round.load(std::memory_order_relaxed));
 }
 
-PinnedPage PageAccess::pin(const Asset& asset, int part, int level, std::uint32_t page, float urgency) {
+PinnedPage PageAccess::pin(const Asset& asset, const LevelId& id, std::uint32_t page, float urgency) {
   PinnedPage pinned;
-  LevelState* state = asset.impl_->find(part, level);
+  LevelState* state = asset.impl_->find(id.part, id.level, id.distances);
   if (!state || !state->ready.load(std::memory_order_acquire) || page >= state->data.pages.size())
     return pinned;
   PageSlot& slot = state->pages[page];
@@ -53,22 +57,15 @@ PinnedPage PageAccess::pin(const Asset& asset, int part, int level, std::uint32_
   return pinned;
 }
 
-bool PageAccess::hasFailed(const Asset& asset, int part, int level) {
-  const LevelState* state = asset.impl_->find(part, level);
-  return state && state->request.failed.load(std::memory_order_relaxed);
+bool PageAccess::hasFailed(const Asset& asset, const LevelId& id) {
+  const LevelState* state = asset.impl_->find(id.part, id.level, id.distances);
+  return !state || state->failure.load(std::memory_order_relaxed) != 0;
 }
 
-bool PageAccess::hasFailed(const Asset& asset, int part, int level, std::uint32_t page) {
-  const LevelState* state = asset.impl_->find(part, level);
+bool PageAccess::hasFailed(const Asset& asset, const LevelId& id, std::uint32_t page) {
+  const LevelState* state = asset.impl_->find(id.part, id.level, id.distances);
   return state && state->ready.load(std::memory_order_acquire) && page < state->data.pages.size() &&
-         state->pages[page].request.failed.load(std::memory_order_relaxed);
-}
-
-bool PageAccess::loadsDistances(const Asset& asset, int part, int level) {
-  const std::lock_guard lock(asset.impl_->mutex);
-  const DistanceState* const state = asset.impl_->findDistances(part, level);
-  return state && !state->ready.load(std::memory_order_relaxed) && state->stage != Stage::kFailed &&
-         std::find(state->pages.begin(), state->pages.end(), Stage::kFailed) == state->pages.end();
+         state->pages[page].failed.load(std::memory_order_relaxed);
 }
 
 PinnedPage::PinnedPage(PinnedPage&& other) noexcept

@@ -26,8 +26,8 @@ struct PosedSolid : SolidPlace {
 
 bool allFinite(const glm::vec3& v);
 
-// What all queries refuse of an instance. False: it is not drawn, so it has no solid. Of swept solid parts,
-// eachSolid() says whether they are drawn: it makes their arcs anyway.
+// Errors that all queries return for an instance. False: it is not drawn, so it has no solid. Of swept solid
+// parts, eachSolid() says whether they are drawn: it makes their arcs anyway.
 Result<bool> checkInstance(const Instance& instance);
 // Where the part is, if it is solid and its matrix is finite.
 std::optional<SolidPlace> solidPlace(const Instance& instance, int part);
@@ -63,5 +63,15 @@ bool eachSolid(const Instance& instance, const Use& use) {
   }
   return true;
 }
+
+// Queries of kelp/runtime/distance.h with one instance that passed checkInstance(), and arguments that were
+// checked. Each improves its result, if it can.
+void findNearest(const Instance& instance, const glm::vec3& point, Distance& nearest);
+void findClosest(const Instance& instance, const glm::dvec3& point, ClosestPoint& nearest);
+bool touches(const Instance& instance, const Sphere& shape);
+bool touches(const Instance& instance, const Capsule& shape);
+bool touches(const Instance& instance, const OrientedBox& shape);
+void cast(const Instance& instance, const glm::dvec3& from, const glm::dvec3& way, double radius,
+          SphereCast& nearest);
 
 }  // namespace kelp::runtime

@@ -59,7 +59,7 @@ struct Around {
   float outside = 0, inside = 0;  // how far the nearest solid, empty cube is at least
   glm::vec3 gradient{0};
 };
-Around lookAround(const DistanceLevel& level, const glm::vec3& point) {
+Around lookAround(const Level& level, const glm::vec3& point) {
   const glm::ivec3 low(glm::floor(point - 0.5f)), last = level.size - 1;
   const glm::vec3 share = point - 0.5f - glm::vec3(low);
   Around around;
@@ -89,12 +89,12 @@ Around lookAround(const DistanceLevel& level, const glm::vec3& point) {
 std::optional<RestDistance> restDistance(const Asset& asset, int part, const glm::dvec3& point) {
   RestDistance found;
   const int levels = DistanceReader::levels(asset, part);
-  const DistanceLevel* last = nullptr;
+  const Level* last = nullptr;
   float scale = 1;
   int last_level = 0;
   bool known = false;
   for (int l = 0; l < levels; ++l) {
-    const DistanceLevel* level = DistanceReader::level(asset, part, l);
+    const Level* level = DistanceReader::level(asset, part, l);
     if (!level) continue;
     last = level;
     last_level = l;

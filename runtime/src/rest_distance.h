@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the stored distances say of a point of the undeformed part.
+// The stored distances around a point of the undeformed part.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 namespace kelp::runtime {
 
 // The code of a voxel of the level.
-inline std::uint8_t distanceCode(const DistanceLevel& level, const glm::ivec3& voxel) {
+inline std::uint8_t distanceCode(const Level& level, const glm::ivec3& voxel) {
   const glm::ivec3 brick = voxel >> 3;
   const std::uint32_t cell =
       level.cells[static_cast<std::size_t>(brick.x) +
@@ -19,8 +19,8 @@ inline std::uint8_t distanceCode(const DistanceLevel& level, const glm::ivec3& v
                       (static_cast<std::size_t>(brick.y) +
                        static_cast<std::size_t>(level.grid.y) * static_cast<std::size_t>(brick.z))];
   if (!(cell & kCellSolid)) return static_cast<std::uint8_t>(cell);
-  return level
-      .codes[std::size_t{cell & kCellSlotMask} * kBrickVoxels + static_cast<std::size_t>(codeIndex(voxel))];
+  const std::size_t slot = level.first_slots[cellPage(cell)] + cellBrick(cell);
+  return level.codes[slot * kBrickVoxels + static_cast<std::size_t>(codeIndex(voxel))];
 }
 
 // Lengths in level-0 voxels.

@@ -43,7 +43,7 @@ FrameBox boxOf(const SearchFrame& frame, const SplineMap& map, const SplineMap::
 FrameBox boxOf(const SearchFrame& frame, const SweepMap& map, const SweepMap::Cut& from,
                const SweepMap::Cut& to, const glm::dvec3& low, const glm::dvec3& high);
 
-// What a search finds at its leaves: a voxel between two cuts.
+// The leaf of a search: a voxel between two cuts.
 template <class Map>
 struct SearchLeaf {
   glm::dvec3 low{0}, high{0};  // the voxel at rest, level-0 voxels
@@ -117,7 +117,7 @@ class SolidSearch {
   }
   void descend(const Node& node) {
     const int level = node.level - 1, begin = count_;
-    const DistanceLevel* known = levels_[level];  // null: not in memory, so anything may be solid
+    const Level* known = levels_[level];  // null: not in memory, so anything may be solid
     const glm::ivec3 first = 2 * node.voxel;
     const double middle_y = static_cast<double>(1 << level) * (first.y + 1);
     const glm::ivec3 end = levelSize(solid_.size, level);
@@ -148,7 +148,7 @@ class SolidSearch {
   const PosedSolid<Map>& solid_;
   const SearchFrame& frame_;
   Goal& goal_;
-  const DistanceLevel* levels_[kMaxLevels + 1] = {};
+  const Level* levels_[kMaxLevels + 1] = {};
   int finest_ = 0;
   Node stack_[kStack];
   int count_ = 0;

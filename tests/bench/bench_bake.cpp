@@ -259,10 +259,11 @@ struct PlainFrame {
 };
 PlainFrame plainFrame(const PageData& page, FrameEncoder& encoder) {
   std::vector<std::byte> raw;
-  raw.reserve(page.codes.size() + 4 * page.attributes.size());
-  for (const std::uint8_t code : page.codes)
-    raw.push_back(std::byte{isSurfaceCode(code) ? kSurfaceCode : code});
-  const std::span<const std::byte> attributes = std::as_bytes(page.attributes.span());
+  raw.reserve(page.info.raw);
+  for (std::uint32_t brick = 0; brick < page.info.count; ++brick)
+    for (const std::uint8_t code : page.codes(brick))
+      raw.push_back(std::byte{isSurfaceCode(code) ? kSurfaceCode : code});
+  const std::span<const std::byte> attributes = std::as_bytes(page.attributes());
   raw.insert(raw.end(), attributes.begin(), attributes.end());
   std::vector<std::byte> room(FrameEncoder::bound(raw.size()));
   const std::size_t size = encoder.encode(raw, room);
@@ -302,7 +303,7 @@ void compareReading(const Options& options, Table& table, const test::Scratch& s
       for (const LevelReader& level : levels) {
         for (std::size_t page = 0; page < level.grid().pages.size(); ++page) {
           good = good && level.readPage(page, data);
-          decoded += data.codes.size() + 4 * data.attributes.size();
+          decoded += data.info.raw;
         }
       }
     }));

@@ -13,7 +13,7 @@
 
 #include "bench_trace_programs.h"
 #include "kelp/formats/brick.h"
-#include "kelp/runtime/page.h"
+#include "kelp/formats/page.h"
 #include "support/egl_context.h"
 
 namespace kelp::bench {
@@ -48,7 +48,7 @@ void uploadBricks(const Item& item, ItemTextures& textures) {
   const std::uint32_t pages = (bricks + kPageBricks - 1) / kPageBricks;
   const auto cells = static_cast<std::uint32_t>(item.level.cells.size());
   std::vector<std::uint32_t> words(kRow + cells + pages + 1);
-  std::copy(runtime::kSolidBrick.begin(), runtime::kSolidBrick.end(), words.begin() + 1);
+  std::copy(kSolidBrick.begin(), kSolidBrick.end(), words.begin() + 1);
   words[kRow + cells + pages] = 1;
   for (std::uint32_t i = 0; i < cells; ++i) {
     const std::uint32_t cell = item.level.cells[i], slot = cell & kCellSlotMask;
@@ -61,7 +61,7 @@ void uploadBricks(const Item& item, ItemTextures& textures) {
     words.resize((words.size() + kRow - 1) / kRow * kRow);
     words[kRow + cells + page] = static_cast<std::uint32_t>(words.size());
     for (std::uint32_t slot = page * kPageBricks; slot < std::min((page + 1) * kPageBricks, bricks); ++slot) {
-      words.resize(words.size() + runtime::kBrickWords);
+      words.resize(words.size() + kBrickWords);
       std::memcpy(&words[words.size() - kBrickVoxels / 4],
                   &item.level.codes[std::size_t{slot} * kBrickVoxels], kBrickVoxels);
     }

@@ -144,7 +144,7 @@ TEST(CContents, Levels) {
   for (int i = 0; i < 2; ++i) {
     auto level = sized<kelp_level>();
     ASSERT_KELP(kelp_asset_get_level(assets.c, 0, i, &level));
-    const runtime::VoxelLevel& expected = *assets.cpp->level(0, i);
+    const runtime::Level& expected = *assets.cpp->level(0, i);
     expectSame(level.size, expected.size, "size");
     expectSame(level.grid, expected.grid, "grid");
     EXPECT_EQ(expected.pages.size(), level.pages);
@@ -156,12 +156,15 @@ TEST(CContents, Levels) {
   for (int i = 0; i < 3; ++i) {
     auto level = sized<kelp_distance_level>();
     ASSERT_KELP(kelp_asset_get_distance_level(assets.c, 0, i, &level));
-    const runtime::DistanceLevel& expected = *assets.cpp->distances(0, i);
+    const runtime::Level& expected = *assets.cpp->distances(0, i);
     expectSame(level.size, expected.size, "size");
     expectSame(level.grid, expected.grid, "grid");
     EXPECT_EQ(expected.band.outside, level.band_outside);
     EXPECT_EQ(expected.band.inside, level.band_inside);
     EXPECT_EQ(0, std::memcmp(level.cells, expected.cells.data(), expected.cells.size_bytes()));
+    ASSERT_EQ(expected.first_slots.size(), level.pages);
+    EXPECT_EQ(0,
+              std::memcmp(level.first_slots, expected.first_slots.data(), expected.first_slots.size_bytes()));
     ASSERT_EQ(expected.codes.size(), level.code_count);
     EXPECT_EQ(0, std::memcmp(level.codes, expected.codes.data(), expected.codes.size()));
   }

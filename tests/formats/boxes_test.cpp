@@ -115,11 +115,11 @@ TEST(Boxes, AreTheBestThatAPageKnows) {
       for (std::uint32_t page = 0; page < reader->grid().pages.size(); ++page) {
         ASSERT_TRUE(reader->readPage(page, data));
         const Solid known = knownTo(reader->grid(), page, truth, level == 2 ? nullptr : &above);
-        for (std::uint32_t i = 0; i < data.count * 512; i += 5) {
-          const std::uint8_t code = data.codes[i];
+        for (std::uint32_t i = 0; i < data.info.count * 512; i += 5) {
+          const std::uint8_t code = data.codes(i / 512)[i % 512];
           const auto at = static_cast<int>(i % 512);
-          const glm::ivec3 v =
-              8 * reader->grid().place(data.first_slot + i / 512) + glm::ivec3(at & 7, at >> 3 & 7, at >> 6);
+          const glm::ivec3 v = 8 * reader->grid().place(data.info.first_slot + i / 512) +
+                               glm::ivec3(at & 7, at >> 3 & 7, at >> 6);
           ASSERT_EQ(isSolidCode(code), truth.at(v));
           if (isSolidCode(code)) continue;
           ASSERT_TRUE(isClear(truth, v, codeReach(code)));

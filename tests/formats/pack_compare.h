@@ -27,18 +27,22 @@ struct ReadDistances {
 
 inline ReadDistances readDistances(const Pack& pack, int part, int level, const Allocator& allocator = {}) {
   ReadDistances out;
-  const Result<DistanceGrid> grid = pack.readDistanceGrid(part, level);
+  const Result<LevelGrid> grid = pack.readDistanceGrid(part, level);
   if (!grid) {
     out.status = grid.error();
     return out;
   }
   out.level.band = grid->band;
-  out.level.cells.assign(grid->cells.begin(), grid->cells.end());
-  DistancePage page(allocator);
+  for (const std::uint32_t cell : grid->cells)
+    out.level.cells.push_back(cell & kCellSolid ? kCellSolid | grid->slotOf(cell) : cell);
+  PageData page(allocator);
   for (std::size_t i = 0; i < grid->pages.size(); ++i) {
-    out.status = pack.readDistancePage(*grid, i, page);
+    out.status = pack.readPage(*grid, i, {}, page);
     if (!out.status) return out;
-    out.level.codes.insert(out.level.codes.end(), page.codes.begin(), page.codes.end());
+    for (std::uint32_t brick = 0; brick < page.info.count; ++brick) {
+      const std::span<const std::uint8_t> codes = page.codes(brick);
+      out.level.codes.insert(out.level.codes.end(), codes.begin(), codes.end());
+    }
   }
   return out;
 }

@@ -41,10 +41,15 @@ struct Decoded {
 // stored: copied to memory of its own, so that a sanitizer sees every step beyond it.
 Decoded decoded(const TestPage& page, std::span<const std::byte> stored, Buffer<std::byte>& workspace) {
   const std::vector<std::byte> alone(stored.begin(), stored.end());
-  Decoded out{{},
-              std::vector<std::uint8_t>(page.codes.size(), 1),
-              std::vector<std::uint32_t>(page.attributes.size(), 1)};
-  out.result = decodeSolidPage(page.shape(), alone, workspace, out.codes, out.attributes);
+  std::vector<BrickShape> shapes(page.codes.size() / kBrickVoxels);
+  Decoded out{{}, {}, std::vector<std::uint32_t>(page.attributes.size(), 1)};
+  out.result = decodeSolidPage(page.shape(), alone, workspace, shapes, out.attributes);
+  for (const BrickShape& shape : shapes) {
+    for (std::size_t i = 0; i < kBrickVoxels; ++i) {
+      const auto isSet = [&](const BrickBits& bits) { return (bits.slices[i / 64] >> (i % 64) & 1) != 0; };
+      out.codes.push_back(isSet(shape.surface) ? kSurfaceCode : isSet(shape.solid) ? kInnerCode : 0);
+    }
+  }
   return out;
 }
 

@@ -38,14 +38,14 @@ void checkPool(const test::FakeGl& fake, const runtime::Asset& asset, bool dista
       const std::uint64_t cells_at = words[table], pages_at = words[table + 1];
       const bool complete = words[table + 2] >> 31;
       if (cells_at == 0) continue;
-      const runtime::VoxelLevel* level = asset.level(p, l);
+      const runtime::Level* level = asset.level(p, l);
       if (!level) fault("the pool holds a level that is not in memory");
       if (!holds(cells_at, level->cells)) fault("the pool holds other cells");
       for (std::uint32_t page = 0; page < level->pages.size(); ++page) {
         const std::uint64_t at = pages_at + page < words.size() ? words[pages_at + page] : 0;
         if (at == 0 && complete) fault("a page of a level that is complete is not there");
         if (at == 0) continue;
-        const runtime::PinnedPage pinned = runtime::PageAccess::pin(asset, p, l, page, 0);
+        const runtime::PinnedPage pinned = runtime::PageAccess::pin(asset, {p, l}, page, 0);
         if (pinned && !holds(at, pinned.words())) fault("the pool holds another page");
       }
     }
@@ -53,16 +53,15 @@ void checkPool(const test::FakeGl& fake, const runtime::Asset& asset, bool dista
     for (int l = 0; l < fields; ++l, table += 3) {
       if (table + 3 > words.size()) fault("the tables of distances lie beyond the pool");
       if (words[table] == 0) continue;
-      const runtime::DistanceLevel* level = asset.distances(p, l);
+      const runtime::Level* level = asset.distances(p, l);
       if (!level) fault("the pool holds distances that are not in memory");
       if (!holds(words[table], level->cells)) fault("the pool holds other cells of distances");
       std::vector<std::uint32_t> codes(level->codes.size() / 4);
       std::memcpy(codes.data(), level->codes.data(), level->codes.size());
-      constexpr std::size_t kPage = 128 * 128;  // words
-      for (std::size_t page = 0; page * kPage < codes.size(); ++page) {
+      for (std::size_t page = 0; page < level->pages.size(); ++page) {
         const std::uint64_t entry = words[table + 1] + page, at = entry < words.size() ? words[entry] : 0;
-        const auto content = std::span(codes).subspan(page * kPage);
-        if (at != 0 && !holds(at, content.first(std::min(kPage, content.size()))))
+        const PageInfo& of = level->pages[page];
+        if (at != 0 && !holds(at, std::span(codes).subspan(128 * of.first_slot, 128 * of.count)))
           fault("the pool holds other distances");
       }
     }

@@ -102,9 +102,9 @@ TEST_P(BrokenStreamTest, AFlippedByteCostsOnePageAndIsToldOnce) {
   EXPECT_EQ(frames(*asset, 40, canvas, ErrorCode::kChecksum), 1);
   EXPECT_TRUE(seen_);
   EXPECT_EQ(pending_, 0u) << "what cannot come is not waited for";
-  EXPECT_TRUE(runtime::PageAccess::hasFailed(*asset, 0, 0, 2));
-  EXPECT_FALSE(runtime::PageAccess::hasFailed(*asset, 0, 0, 1));
-  EXPECT_TRUE(runtime::PageAccess::pin(*asset, 0, 0, 1, 1));
+  EXPECT_TRUE(runtime::PageAccess::hasFailed(*asset, {0, 0}, 2));
+  EXPECT_FALSE(runtime::PageAccess::hasFailed(*asset, {0, 0}, 1));
+  EXPECT_TRUE(runtime::PageAccess::pin(*asset, {0, 0}, 1, 1));
   EXPECT_EQ(asset->residentLevel(0), 1);
   // The page comes right, and is asked for again.
   flipped ^= std::byte{64};

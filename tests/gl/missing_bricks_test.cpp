@@ -51,10 +51,10 @@ std::vector<Resident> residentOf(const Asset& asset) {
   std::vector<Resident> out;
   for (int l = 0; l < asset.pack().parts()[0].levels; ++l) {
     Resident resident;
-    if (const runtime::VoxelLevel* level = asset.level(0, l)) {
+    if (const runtime::Level* level = asset.level(0, l)) {
       resident.grid = true;
       for (std::uint32_t page = 0; page < level->pages.size(); ++page)
-        resident.pages.push_back(static_cast<bool>(runtime::PageAccess::pin(asset, 0, l, page, 1)));
+        resident.pages.push_back(static_cast<bool>(runtime::PageAccess::pin(asset, {0, l}, page, 1)));
     }
     out.push_back(std::move(resident));
   }
@@ -71,7 +71,7 @@ fields::Occupancy composite(const Asset& asset, const std::vector<fields::Occupa
         for (int l = wanted; l < static_cast<int>(pyramid.size()); ++l) {
           if (!resident[static_cast<std::size_t>(l)].grid) continue;
           const glm::ivec3 at(v.x >> l, v.y >> l, v.z >> l);
-          const runtime::VoxelLevel& level = *asset.level(0, l);
+          const runtime::Level& level = *asset.level(0, l);
           const std::uint32_t cell = level.cells[cellAt(at / 8, level.grid)];
           if ((cell & kCellSolid) && cellPage(cell) < level.pages.size() &&
               !resident[static_cast<std::size_t>(l)].pages[cellPage(cell)])

@@ -222,7 +222,7 @@ TEST_P(StreamingTest, NoUploadIsLargerThanItsBudget) {
     std::uint64_t words = 0;
     for (int l = 0; l < asset->pack().parts()[0].levels; ++l) {
       words += asset->level(0, l)->cells.size();
-      for (const PageInfo& page : asset->level(0, l)->pages) words += runtime::pageWords(page);
+      for (const PageInfo& page : asset->level(0, l)->pages) words += pageWords(page);
     }
     EXPECT_GE(all, 2 * 4 * words);
     EXPECT_LE(static_cast<std::uint64_t>(frames), 64 + all / (budget / 2))

@@ -67,7 +67,7 @@ class StreamingThreadsTest : public GlTest {
           hits += raycast(instance, {eye, target - eye}, static_cast<int>(n % 3)).has_value();
           if (const auto* data = asset->level(0, 0)) {
             const auto page = runtime::PageAccess::pin(
-                *asset, 0, 0, place % static_cast<std::uint32_t>(data->pages.size()), unit(random));
+                *asset, {0, 0}, place % static_cast<std::uint32_t>(data->pages.size()), unit(random));
             if (page) hits += page.words().back() == 1;  // reads it
           }
           (void)asset->residentLevel(0);

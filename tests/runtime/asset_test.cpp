@@ -8,6 +8,7 @@
 #include <cstring>
 #include <thread>
 
+#include "support/distance_pack.h"
 #include "support/short_memory.h"
 #include "support/test_pack.h"
 
@@ -18,14 +19,19 @@ std::vector<std::byte> clumpBytes() {
   return test::bytesOf(test::packOf(test::ballClump({70, 90, 60}, 30, 1)));
 }
 
+// With distances.
+std::vector<std::byte> fullBytes() {
+  return test::bytesOf(test::distancePackOf(test::ballClump({70, 90, 60}, 30, 1)));
+}
+
 void expectHolds(const Asset& asset, const fields::Occupancy& volume) {
-  const VoxelLevel* level = asset.level(0, 0);
+  const Level* level = asset.level(0, 0);
   ASSERT_NE(level, nullptr);
   ASSERT_EQ(level->size, volume.size);
   EXPECT_EQ(asset.residentLevel(0), 0);
   std::vector<PinnedPage> pages;
   for (std::uint32_t page = 0; page < level->pages.size(); ++page) {
-    pages.push_back(PageAccess::pin(asset, 0, 0, page, 1.0f));
+    pages.push_back(PageAccess::pin(asset, {0, 0}, page, 1.0f));
     ASSERT_TRUE(pages.back());
   }
   const auto brickOf = [&](std::uint32_t cell) {
@@ -84,15 +90,17 @@ TEST(Asset, LevelsArriveCoarseToFine) {
 }
 
 TEST(Asset, AnyNumberOfThreadsMayPump) {
-  const std::vector<std::byte> bytes = clumpBytes();
+  const std::vector<std::byte> bytes = fullBytes();
   MemorySource source(bytes);
-  auto asset = Asset::open(source.source());
+  Options options;
+  options.distance_level = 0;
+  auto asset = Asset::open(source.source(), options);
   ASSERT_TRUE(asset);
   std::atomic<int> errors{0};
   std::vector<std::thread> threads;
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([&] {
-      while ((*asset)->residentLevel(0) != 0 && errors == 0) {
+      while (((*asset)->residentLevel(0) != 0 || !(*asset)->distances(0, 0)) && errors == 0) {
         const Result<bool> more = (*asset)->pump();
         if (!more) ++errors;
       }
@@ -154,7 +162,7 @@ TEST(Asset, ADamagedFineLevelLeavesTheCoarseOnes) {
 
 // Each allocation alone, and with all after it.
 TEST(Asset, AllocationFailureIsAnErrorEachTime) {
-  const std::vector<std::byte> bytes = clumpBytes();
+  const std::vector<std::byte> bytes = fullBytes();
   for (const bool and_on : {false, true}) {
     int failures = 0;
     bool refused = true;
@@ -165,6 +173,7 @@ TEST(Asset, AllocationFailureIsAnErrorEachTime) {
       memory.and_on = and_on;
       Options options;
       options.allocator = memory.allocator();
+      options.distance_level = 0;
       {
         MemorySource source(bytes);
         auto asset = Asset::open(source.source(), options);
@@ -227,7 +236,7 @@ TEST(Asset, DropsWhatNobodyAskedForLately) {
     bool there = false;
     for (int round = 0; round < 20 && !there; ++round) {
       PageAccess::beginRequests(asset);
-      there = static_cast<bool>(PageAccess::pin(asset, 0, 0, page, 1.0f));
+      there = static_cast<bool>(PageAccess::pin(asset, {0, 0}, page, 1.0f));
       while (*asset.pump()) {
       }
       EXPECT_LE(asset.memory(), options.memory_budget);

@@ -49,7 +49,7 @@ void expectLoaded(const Asset& asset, const std::vector<std::vector<bool>>& want
   for (int level = 0; level < 3; ++level) {
     const std::vector<bool>& of = wanted[static_cast<std::size_t>(level)];
     for (std::uint32_t page = 0; page < of.size(); ++page)
-      EXPECT_EQ(static_cast<bool>(PageAccess::pin(asset, 0, level, page, 1)), of[page])
+      EXPECT_EQ(static_cast<bool>(PageAccess::pin(asset, {0, level}, page, 1)), of[page])
           << level << " " << page;
   }
 }
@@ -81,15 +81,15 @@ TEST(LostPage, OneThatIsLateHoldsUpOnlyWhatNeedsIt) {
   for (int round = 0; round < 6; ++round) {
     PageAccess::beginRequests(*asset);
     for (int level = 0; level < asset->pack().parts()[0].levels; ++level)
-      PageAccess::request(*asset, 0, level, 1);
+      PageAccess::request(*asset, {0, level}, 1);
     // What waits is the most urgent.
     for (std::uint32_t page = 0; page < pages && asset->level(0, 0); ++page)
-      (void)PageAccess::pin(*asset, 0, 0, page, wanted[0][page] ? 1.0f : 2.0f);
+      (void)PageAccess::pin(*asset, {0, 0}, page, wanted[0][page] ? 1.0f : 2.0f);
     while (*asset->pump()) {
     }
   }
   for (std::uint32_t page = 0; page < pages; ++page)
-    EXPECT_EQ(static_cast<bool>(PageAccess::pin(*asset, 0, 0, page, 1)), wanted[0][page]) << page;
+    EXPECT_EQ(static_cast<bool>(PageAccess::pin(*asset, {0, 0}, page, 1)), wanted[0][page]) << page;
   without.lost = 0;
   ASSERT_TRUE(asset->loadAll());
 }
@@ -114,7 +114,8 @@ TEST(LostPage, OneThatIsDamagedCostsWhatLiesBelowIt) {
   const std::span<const PageInfo> infos = truth->level(0, 0)->pages;
   for (std::uint32_t page = 0; page < infos.size(); ++page) {
     if (!wanted[0][page]) continue;
-    const PinnedPage a = PageAccess::pin(*asset, 0, 0, page, 1), b = PageAccess::pin(*truth, 0, 0, page, 1);
+    const PinnedPage a = PageAccess::pin(*asset, {0, 0}, page, 1),
+                     b = PageAccess::pin(*truth, {0, 0}, page, 1);
     for (std::uint32_t voxel = 0; voxel < infos[page].count * kBrickVoxels; ++voxel) {
       const std::uint32_t brick = kBrickWords * (voxel / kBrickVoxels);
       const auto at = static_cast<int>(voxel % kBrickVoxels);

@@ -122,7 +122,7 @@ TEST(ManyPages, TheMostUrgentComesNext) {
   Asset& asset = **opened;
   PageAccess::beginRequests(asset);
   std::uint32_t now = 1;
-  PageAccess::request(asset, 0, 0, 1.0f);
+  PageAccess::request(asset, {0, 0}, 1.0f);
   while (*asset.pump()) {
   }
   const std::span<const PageInfo> infos = asset.level(0, 0)->pages;
@@ -137,7 +137,7 @@ TEST(ManyPages, TheMostUrgentComesNext) {
     } else if (what < 4) {
       const std::uint32_t page = random() % pages.size();
       const float urgency = static_cast<float>(random() % 50);
-      EXPECT_EQ(static_cast<bool>(PageAccess::pin(asset, 0, 0, page, urgency)), pages[page].resident);
+      EXPECT_EQ(static_cast<bool>(PageAccess::pin(asset, {0, 0}, page, urgency)), pages[page].resident);
       if (pages[page].round != now || pages[page].urgency < urgency)
         pages[page].urgency = urgency, pages[page].round = now;
     } else {

@@ -91,7 +91,7 @@ TEST(Query, PinnedPagesStay) {
   std::vector<std::vector<std::uint32_t>> words;
   std::vector<std::uint32_t> which;
   for (std::uint32_t page = 0; page < pages && kept.size() < 3; ++page) {
-    PinnedPage pinned = PageAccess::pin(asset, 0, 0, page, 1);
+    PinnedPage pinned = PageAccess::pin(asset, {0, 0}, page, 1);
     if (!pinned) continue;
     words.emplace_back(pinned.words().begin(), pinned.words().end());
     which.push_back(page);
@@ -103,7 +103,7 @@ TEST(Query, PinnedPagesStay) {
   for (int round = 0; round < 600; ++round) {
     PageAccess::beginRequests(asset);
     const std::uint32_t page = static_cast<std::uint32_t>(round / 10) % pages;
-    if (std::find(which.begin(), which.end(), page) == which.end() && PageAccess::pin(asset, 0, 0, page, 1))
+    if (std::find(which.begin(), which.end(), page) == which.end() && PageAccess::pin(asset, {0, 0}, page, 1))
       came[page] = true;
     while (*asset.pump()) {
     }
@@ -111,7 +111,7 @@ TEST(Query, PinnedPagesStay) {
   }
   for (std::size_t i = 0; i < kept.size(); ++i) {
     EXPECT_TRUE(std::equal(words[i].begin(), words[i].end(), kept[i].words().begin(), kept[i].words().end()));
-    const PinnedPage again = PageAccess::pin(asset, 0, 0, which[i], 1);
+    const PinnedPage again = PageAccess::pin(asset, {0, 0}, which[i], 1);
     ASSERT_TRUE(again);
     EXPECT_EQ(again.words().data(), kept[i].words().data()) << "it is the same one";
     came[which[i]] = true;
@@ -123,10 +123,10 @@ TEST(Query, PinnedPagesStay) {
 void askFor(const Asset& asset, int part, int finest, float urgency) {
   for (int level = asset.pack().parts()[static_cast<std::size_t>(part)].levels - 1; level >= finest;
        --level) {
-    PageAccess::request(asset, part, level, urgency);
-    const VoxelLevel* data = asset.level(part, level);
+    PageAccess::request(asset, {part, level}, urgency);
+    const Level* data = asset.level(part, level);
     for (std::uint32_t page = 0; data && page < data->pages.size(); ++page)
-      (void)PageAccess::pin(asset, part, level, page, urgency);
+      (void)PageAccess::pin(asset, {part, level}, page, urgency);
   }
 }
 void pumpAll(Asset& asset) {
@@ -167,7 +167,7 @@ TEST(Query, WhatDoesNotFitHoldsUpNobody) {
     PageAccess::beginRequests(asset);
     askFor(asset, 0, 1, 50);
     if (round >= 20) {
-      PageAccess::request(asset, 0, 0, 100);
+      PageAccess::request(asset, {0, 0}, 100);
       askFor(asset, 1, 0, 1);
     }
     pumpAll(asset);

@@ -68,7 +68,7 @@ class SlowSource {
 std::size_t thingsOf(const Asset& asset) {
   std::size_t things = 0;
   for (int level = 0; level < asset.pack().parts()[0].levels; ++level) {
-    const VoxelLevel* of = asset.level(0, level);
+    const Level* of = asset.level(0, level);
     things += 1 + (of ? of->pages.size() : 0);
   }
   return things;
@@ -77,12 +77,12 @@ std::size_t thingsOf(const Asset& asset) {
 void expectSameVoxels(const Asset& asset, const Asset& truth) {
   for (int level = 0; level < truth.pack().parts()[0].levels; ++level) {
     ASSERT_TRUE(asset.level(0, level)) << level;
-    const VoxelLevel& mine = *asset.level(0, level);
-    const VoxelLevel& theirs = *truth.level(0, level);
+    const Level& mine = *asset.level(0, level);
+    const Level& theirs = *truth.level(0, level);
     ASSERT_TRUE(std::equal(mine.cells.begin(), mine.cells.end(), theirs.cells.begin(), theirs.cells.end()));
     for (std::uint32_t page = 0; page < theirs.pages.size(); ++page) {
-      const PinnedPage a = PageAccess::pin(asset, 0, level, page, 1),
-                       b = PageAccess::pin(truth, 0, level, page, 1);
+      const PinnedPage a = PageAccess::pin(asset, {0, level}, page, 1),
+                       b = PageAccess::pin(truth, {0, level}, page, 1);
       ASSERT_TRUE(a && b) << level << " " << page;
       ASSERT_TRUE(std::equal(a.words().begin(), a.words().end(), b.words().begin(), b.words().end()));
     }
@@ -157,8 +157,8 @@ TEST(WaitingSource, WhatIsThereGoesOn) {
   ASSERT_TRUE(waiting->level(0, 0)) << "every grid is there";
   EXPECT_EQ(waiting->residentLevel(0), 2);
   const auto last = static_cast<std::uint32_t>(waiting->level(0, 0)->pages.size() - 1);
-  EXPECT_TRUE(PageAccess::pin(*waiting, 0, 0, last, 1)) << "far from the page that waits";
-  EXPECT_FALSE(PageAccess::pin(*waiting, 0, 0, 0, 1)) << "below it";
+  EXPECT_TRUE(PageAccess::pin(*waiting, {0, 0}, last, 1)) << "far from the page that waits";
+  EXPECT_FALSE(PageAccess::pin(*waiting, {0, 0}, 0, 1)) << "below it";
 
   // No thread takes what it did not get for loaded.
   for (int repeat = 0; test::kThreads && repeat < 20; ++repeat) {

@@ -179,7 +179,7 @@ kelp_result kelp_asset_find_socket(kelp_asset asset, const char* name, int32_t p
 
 kelp_result kelp_asset_get_level(kelp_asset asset, int32_t part, int32_t level, kelp_level* out) {
   return describe(asset, out, [part, level](const Asset& described, kelp_level& to) {
-    const kelp::runtime::VoxelLevel* const from = described.level(part, level);
+    const kelp::runtime::Level* const from = described.level(part, level);
     if (!from) return absentLevel(level, levelsOf(described.pack(), part));
     put(from->size, to.size);
     put(from->grid, to.grid);
@@ -192,13 +192,15 @@ kelp_result kelp_asset_get_level(kelp_asset asset, int32_t part, int32_t level, 
 kelp_result kelp_asset_get_distance_level(kelp_asset asset, int32_t part, int32_t level,
                                           kelp_distance_level* out) {
   return describe(asset, out, [part, level](const Asset& described, kelp_distance_level& to) {
-    const kelp::runtime::DistanceLevel* const from = described.distances(part, level);
+    const kelp::runtime::Level* const from = described.distances(part, level);
     if (!from) return absentLevel(level, described.pack().distanceLevels(part));
     put(from->size, to.size);
     put(from->grid, to.grid);
     to.band_outside = from->band.outside;
     to.band_inside = from->band.inside;
+    to.pages = static_cast<std::uint32_t>(from->pages.size());
     to.cells = from->cells.data();
+    to.first_slots = from->first_slots.data();
     to.codes = from->codes.data();
     to.code_count = from->codes.size();
     return kelp_result{KELP_OK};

@@ -25,7 +25,7 @@ class DepthCopy {
   void copy(const Api& api) const;
 
  private:
-  // What OpenGL tells of a depth buffer.
+  // A depth buffer, as OpenGL describes it.
   struct Source {
     std::int32_t framebuffer = 0;
     std::int32_t type = 0;  // of the attached object, and its name

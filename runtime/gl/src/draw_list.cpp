@@ -11,7 +11,6 @@
 #include <glm/gtc/type_precision.hpp>
 #include <glm/matrix.hpp>
 
-#include "grow.h"
 #include "record_spline.h"
 
 namespace kelp::gl {
@@ -179,7 +178,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     posed.to_object[k] = &parts[part].to_object;
     if (instance.pose && moves(*instance.pose, parts, static_cast<int>(part))) {
       if (!std::exchange(is_moved, true)) {
-        if (!grow(worlds_, parts.size())) return &kNoMemoryForFrame;
+        if (!worlds_.grow(parts.size())) return &kNoMemoryForFrame;
         (void)runtime::partsToWorld(instance, {worlds_.data(), parts.size()});
       }
       moved_[i] = worlds_[part];
@@ -217,8 +216,8 @@ const Error* DrawList::addBlock(const Frame& frame) {
   // Parts that stood otherwise in the frame before may have had more arcs.
   const std::size_t before = arc_texels_ > 0 && frame.movesPictures() ? count * (arcTexels(kMaxArcs) + 1) : 0;
   // One texel more, because writeSegments writes one number too many.
-  if (!grow(order_, count_ + count) || !grow(records_, texels_ + count * (kHeadTexels + kMotionTexels + 1) +
-                                                           2 * 3 * segments + arc_texels_ + before + 1))
+  if (!order_.grow(count_ + count) || !records_.grow(texels_ + count * (kHeadTexels + kMotionTexels + 1) +
+                                                     2 * 3 * segments + arc_texels_ + before + 1))
     return &kNoMemoryForFrame;
   for (std::size_t i = 0; i < eights; ++i) write(frame, i, countOf(i));
   return nullptr;
@@ -350,7 +349,7 @@ void DrawList::finish(const Frame& frame, const Candidate& candidate, float near
 Result<void> DrawList::writeOrder(PartKind kind) {
   if (count_ == 0) return {};
   rows_ = (texels_ + (count_ + 3) / 4 + kRecordWidth - 1) / kRecordWidth;
-  if (!grow(records_, rows_ * kRecordWidth) || !grow(sorted_, count_)) return kNoMemoryForFrame;
+  if (!records_.grow(rows_ * kRecordWidth) || !sorted_.grow(count_)) return kNoMemoryForFrame;
   constexpr int kRounds = 3, kLowestBit = 7;
   constexpr std::uint32_t kBuckets = 256;
   const auto bucketOf = [](std::uint32_t key, int round) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a frame draws. Instances are divided into parts, culled, given a level, and written as the records of
-// instance.glsl. Solids are ordered near to far, so that hidden ones are not traced; fog far to near, because
-// it is blended.
+// The list of what a frame draws. Instances are divided into parts, culled, given a level, and written as the
+// records of instance.glsl. Solids are ordered near to far, so that hidden ones are not traced; fog far to
+// near, because it is blended.
 #pragma once
 
 #include "kelp/formats/sweep.h"

@@ -177,7 +177,7 @@ Name makeTexture(const Api& api, Enum target, const char* label);
 // Names an object for debuggers. kelp's labels begin with "kelp".
 void label(const Api& api, Enum kind, Name name, const char* text);
 
-// What is done while this lives is one group in a debugger's list of calls.
+// Calls during its life are one group in a debugger's list of calls.
 class DebugGroup {
  public:
   DebugGroup(const Api& api, const char* text);

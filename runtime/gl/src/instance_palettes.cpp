@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The draw list's palettes of instances: they follow the records in the frame's texture.
 #include "draw_list.h"
-#include "grow.h"
 
 namespace kelp::gl {
 namespace {
@@ -19,7 +18,7 @@ const Error* DrawList::addPalette(std::span<const Material> materials, std::uint
                      palettes_[palette_count_ - 1].materials.data() == materials.data() &&
                      palettes_[palette_count_ - 1].materials.size() == materials.size();
   if (!known) {
-    if (!grow(palettes_, palette_count_ + 1)) return &kNoMemoryForFrame;
+    if (!palettes_.grow(palette_count_ + 1)) return &kNoMemoryForFrame;
     palettes_[palette_count_++] = {materials, palette_texels_};
     palette_texels_ += texelsOf(materials);
   }
@@ -30,7 +29,7 @@ const Error* DrawList::addPalette(std::span<const Material> materials, std::uint
 // Appends the palettes to the records, and tells the records where they are.
 const Error* DrawList::writePalettes() {
   if (palette_count_ == 0) return nullptr;
-  if (!grow(records_, texels_ + palette_texels_)) return &kNoMemoryForFrame;
+  if (!records_.grow(texels_ + palette_texels_)) return &kNoMemoryForFrame;
   for (std::size_t i = 0; i < palette_count_; ++i) {
     const Palette& palette = palettes_[i];
     glm::uvec4* const out = &records_[texels_ + palette.texel];

@@ -4,8 +4,6 @@
 #include <cstdio>
 
 #include "draw_list.h"
-#include "drawn_arcs.h"
-#include "grow.h"
 #include "record_spline.h"
 
 namespace kelp::gl {
@@ -14,7 +12,7 @@ const Error* DrawList::leaveOut(ResidentAsset& asset, std::uint32_t instance, co
   const auto place = std::lower_bound(left_out_.begin(), end, instance);
   if (place != end && *place == instance) return nullptr;
   const auto at = static_cast<std::size_t>(place - left_out_.begin());
-  if (!grow(left_out_, left_out_count_ + 1)) return &kNoMemoryForFrame;
+  if (!left_out_.grow(left_out_count_ + 1)) return &kNoMemoryForFrame;
   std::copy_backward(left_out_.begin() + at, left_out_.begin() + left_out_count_,
                      left_out_.begin() + left_out_count_ + 1);
   left_out_[at] = instance;
@@ -98,7 +96,7 @@ const Error* DrawList::listArcs(std::size_t eight, std::size_t k, float level) {
   candidate.arcs = static_cast<std::uint32_t>(chain_.count);
   candidate.arcs_at = arc_texels_;
   arc_texels_ += arcTexels(candidate.arcs);
-  if (!grow(arcs_, arc_texels_)) return &kNoMemoryForFrame;
+  if (!arcs_.grow(arc_texels_)) return &kNoMemoryForFrame;
   writeArcs(&arcs_[candidate.arcs_at], chain_);
   return nullptr;
 }

@@ -27,7 +27,7 @@ bool eyeThoroughly(const glm::dvec3& r0, const glm::dvec3& r1, const glm::dvec3&
   return true;
 }
 
-// What is not seen is worth this much of what is: it may be seen next.
+// Priority factor of hidden parts; they may come into view next.
 constexpr float kHiddenWorth = 0.125f;
 
 }  // namespace
@@ -64,7 +64,7 @@ void setBounds(const Box& box, const PosedParts& parts, std::size_t i, PlacedPar
 
 namespace {
 
-// What lanes of floats do not settle: matrices of odd size, and that a direction has length 1.
+// The cases that lanes of floats leave: matrices of odd size, and directions whose length must be 1.
 void settleEyes(const Projection& projection, PlacedParts& placed) {
   for (unsigned part = 0; part < 8; ++part) {
     glm::vec4 eye(placed.eye[0].of[part], placed.eye[1].of[part], placed.eye[2].of[part], 0);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "kelp/runtime/page.h"
+#include "kelp/formats/page.h"
 #include "residency.h"
 
 namespace kelp::gl {
@@ -34,7 +34,7 @@ Result<void> Pool::create(const Api& api, std::uint64_t budget) {
   mayBeginAt(0);
   if (!take({0, 1, nullptr, Block::kGrid}))
     return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
-  write(api, kSolidBrick, runtime::kSolidBrick);
+  write(api, kSolidBrick, kelp::kSolidBrick);
   return {};
 }
 
@@ -85,12 +85,7 @@ std::span<const Pool::Block> Pool::findVictims(std::uint32_t rows, float priorit
 }
 
 bool Pool::take(const Block& block) {
-  if (count_ == blocks_.size()) {
-    Buffer<Block> more(blocks_.allocator());
-    if (!more.reset(std::max<std::size_t>(64, 2 * count_))) return false;
-    std::copy(blocks_.begin(), blocks_.end(), more.begin());
-    blocks_ = std::move(more);
-  }
+  if (!blocks_.grow(std::max<std::size_t>(64, count_ + 1))) return false;
   const auto before = [](const Block& a, const Block& b) { return a.row < b.row; };
   Block* const place = std::lower_bound(blocks_.begin(), blocks_.begin() + count_, block, before);
   std::copy_backward(place, blocks_.begin() + count_, blocks_.begin() + count_ + 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The GPU memory of all voxels: one texture array of 32-bit words, allocated once. It is divided into blocks
-// of whole rows. When there is no free place, blocks that are worth less are given back.
+// of whole rows. When there is no free place, blocks of lower value are given back.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ class Pool {
   static constexpr std::uint32_t kRowBytes = kRowWords * sizeof(std::uint32_t);
   static constexpr std::uint32_t kLayerRows = 1024;
   static constexpr std::uint64_t kLeast = 64 * kRowBytes;
-  // Where runtime::kSolidBrick is, in row 0. Address 0 is nobody's.
+  // Where kelp::kSolidBrick is, in row 0. Address 0 is nobody's.
   static constexpr std::uint32_t kSolidBrick = 4;
 
   // Rows in use. `page`: a page of the level, or kGrid, its grid. No level: an asset's tables, which stay, or
@@ -48,9 +48,9 @@ class Pool {
 
   // The first row of a free place. 0: there is none (row 0 is in use).
   std::uint32_t findFree(std::uint32_t rows);
-  // A run of blocks, all worth less than `priority`, that would make enough room if they were given back. Of
-  // all such runs one whose most valuable block is worth least. Empty: there is none. Valid until the next
-  // take() or giveBack().
+  // A run of blocks, all of a value below `priority`, that would make enough room if they were given back. Of
+  // all such runs one whose most valuable block has the least value. Empty: there is none. Valid until the
+  // next take() or giveBack().
   std::span<const Block> findVictims(std::uint32_t rows, float priority) const;
   // False: no memory to record it.
   [[nodiscard]] bool take(const Block& block);

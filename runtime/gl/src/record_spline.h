@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The splines of records: segments of sheared parts, arcs of swept ones, now and in the frame before
-// (shaders/instance.glsl).
+// The splines of records: segments of sheared parts, arcs of swept ones, the farther away the fewer, now and
+// in the frame before (shaders/instance.glsl).
 #pragma once
 
 #include <cstring>
@@ -30,6 +30,15 @@ glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots, float he
 // the number of its arcs, and these, made with `tolerance`. `scratch`: for arcs.
 glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance,
                         std::uint32_t part, float tolerance, ArcChain& scratch, glm::uvec4* out);
+
+// About where a swept part is: enough to tell at which level it is drawn. Part space.
+Box boxOfKnots(std::span<const Knot> knots, const glm::ivec3& size);
+
+// Makes the arcs of a part that is drawn at about that level, which may be any number: within half a voxel of
+// that level from the spline, and those of solids at level 0 as everywhere. `tolerance`: theirs, in heights
+// of the part. Fails only where makeArcs() does with the finest tolerance too.
+Result<void> makeDrawnArcs(std::span<const Knot> knots, PartKind kind, const glm::ivec3& size, float roll,
+                           float level, ArcChain& chain, float& tolerance);
 
 // The roll of a swept part; of a pose, or at rest.
 inline float rollOf(const Part& part, const runtime::Pose* pose, int index) {

@@ -44,12 +44,7 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
   if (!described) return described.error();
   std::unique_ptr<ResidentAsset> fresh = *std::move(described);
 
-  if (count_ == assets_.size()) {
-    Buffer<ResidentAsset*> more(assets_.allocator());
-    if (!more.reset(std::max<std::size_t>(16, 2 * count_))) return kNoMemory;
-    std::copy(assets_.begin(), assets_.begin() + count_, more.begin());
-    assets_ = std::move(more);
-  }
+  if (!assets_.grow(count_ + 1)) return kNoMemory;
   const std::uint32_t rows = Pool::rowsFor(tables.size());
   pool_.beginCount();
   byte_limit_ = ~std::uint64_t{0};
@@ -111,29 +106,19 @@ Result<void> Residency::prioritise() {
   const bool new_age = Worth::isNewAge(++round_);
   for (ResidentAsset* asset : std::span(assets_.data(), count_)) {
     if (asset->tables_row == 0) continue;
-    for (const ResidentPart& part : asset->parts) {
-      for (int l = 0; l < part.levels; ++l) {
-        ResidentLevel& level = asset->level(part, l);
-        float priority = level.worth.priority() < 0 ? level.worth.priority() - 1.0f : -1.0f;
-        if (l + 1 == part.levels) {
-          priority = kPinned;
-        } else if (part.want.asked && l >= part.want.level) {
-          priority = std::clamp(std::ldexp(part.want.pixels, l + 1), 1e-20f, 1e20f);
-        } else if (!drawn_) {
-          priority = std::ldexp(1.0f, l + 1);
-        }
-        level.worth.update(priority, drawn_, new_age);
-        if (priority > 0) queue_[queued_++] = &level;
+    for (ResidentLevel* const level : asset->levels) {
+      const ResidentPart& part = asset->parts[static_cast<std::size_t>(level->id.part)];
+      const int l = level->id.level;
+      float priority = level->worth.priority() < 0 ? level->worth.priority() - 1.0f : -1.0f;
+      if (!level->id.distances && l + 1 == part.levels) {
+        priority = kPinned;
+      } else if (!drawn_ || (part.want.asked && l >= part.want.level)) {
+        // Voxels show more than what is shaded by the distances between them.
+        const float pixels = drawn_ ? part.want.pixels : 1.0f;
+        priority = std::clamp(std::ldexp(pixels, level->id.distances ? l - 1 : l + 1), 1e-20f, 1e20f);
       }
-      // Voxels show more than what is shaded by the distances between them.
-      for (int l = 0; l < part.distances; ++l) {
-        ResidentLevel& level = asset->distances(part, l);
-        float priority = level.worth.priority() < 0 ? level.worth.priority() - 1.0f : -1.0f;
-        if (!drawn_ || (part.want.asked && l >= part.want.level))
-          priority = std::clamp(std::ldexp(drawn_ ? part.want.pixels : 1.0f, l - 1), 1e-20f, 1e20f);
-        level.worth.update(priority, drawn_, new_age);
-        if (priority > 0) queue_[queued_++] = &level;
-      }
+      level->worth.update(priority, drawn_, new_age);
+      if (priority > 0) queue_[queued_++] = level;
     }
   }
   std::sort(queue_.begin(), queue_.begin() + queued_, [](const ResidentLevel* a, const ResidentLevel* b) {
@@ -147,24 +132,20 @@ Result<void> Residency::prioritise() {
 // Uploads or requests what the level lacks. False: from here on nothing fits into the pool.
 bool Residency::advance(const Api& api, ResidentLevel& level) {
   const runtime::Asset& asset = *level.asset->asset;
-  const std::optional<LevelContent> data = contentOf(level);
-  const std::uint32_t grid_rows = Pool::rowsFor(data ? data->gridWords() : cellCount(level.grid));
+  const runtime::Level* const data = level.content();
+  const std::uint32_t grid_rows = Pool::rowsFor(data ? gridWords(*data) : cellCount(level.grid));
   // A coarsest level must fit as a whole; otherwise its grid would only take room.
   std::uint64_t least_rows = grid_rows;
   if (level.worth.priority() == kPinned && data) {
-    for (std::uint32_t page = 0; page < data->pageCount(); ++page) least_rows += data->rowsOfPage(page);
+    for (std::uint32_t page = 0; page < data->pages.size(); ++page) least_rows += rowsOfPage(*data, page);
   }
   if (least_rows > rows_left_) return false;
   rows_left_ -= grid_rows;
   if (level.grid_row == 0) {
     if (transfer_.level == &level) return ++pending_, true;
-    if (!data && level.distances) {
-      if (PageAccess::loadsDistances(asset, level.part, level.level)) ++pending_;
-      return true;
-    }
     if (!data) {
-      PageAccess::request(asset, level.part, level.level, level.worth.priority());
-      if (!PageAccess::hasFailed(asset, level.part, level.level)) ++pending_;
+      PageAccess::request(asset, level.id, level.worth.priority());
+      if (!PageAccess::hasFailed(asset, level.id)) ++pending_;
       return true;
     }
     const ResidentLevel* const coarser = level.asset->coarser(level);
@@ -179,7 +160,7 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
     return true;
   }
   for (std::uint32_t page = 0; page < level.page_rows.size(); ++page) {
-    const std::uint32_t rows = data->rowsOfPage(page);
+    const std::uint32_t rows = rowsOfPage(*data, page);
     if (rows > rows_left_) return false;
     rows_left_ -= rows;
     if (level.page_rows[page] != 0) continue;
@@ -187,8 +168,8 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
       ++pending_;
       continue;
     }
-    if (!level.distances && !PageAccess::pin(asset, level.part, level.level, page, level.worth.priority())) {
-      if (!PageAccess::hasFailed(asset, level.part, level.level, page)) ++pending_;
+    if (!PageAccess::pin(asset, level.id, page, level.worth.priority())) {
+      if (!PageAccess::hasFailed(asset, level.id, page)) ++pending_;
       continue;
     }
     const bool waits = transfer_.level || later_ || pool_.written() + kReserve >= byte_limit_;

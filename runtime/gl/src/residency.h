@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which grids and pages of the host's assets are in the pool, and which should be: they come and go by how
-// many pixels they are worth.
+// Which grids and pages of the host's assets are in the pool, and which should be: their priority is how many
+// pixels the voxels in their place cover.
 #pragma once
 
 #include <algorithm>
@@ -54,7 +54,7 @@ class Residency {
   const Pool& pool() const { return pool_; }
 
  private:
-  // What is being uploaded, over several frames if needed.
+  // The upload in progress, over several frames if needed.
   struct Transfer {
     ResidentLevel* level = nullptr;  // null: nothing
     std::uint32_t page = Pool::Block::kGrid;

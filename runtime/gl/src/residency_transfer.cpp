@@ -16,9 +16,9 @@ void Residency::writeTable(const Api& api, const ResidentLevel& level) {
   std::uint32_t words[kTableWords];
   tableOf(level, words);
   pool_.write(api, level.asset->palette() + std::uint64_t{level.table}, words);
-  if (level.distances) return;
+  if (level.id.distances) return;
 
-  ResidentPart& part = level.asset->parts[static_cast<std::size_t>(level.part)];
+  ResidentPart& part = level.asset->parts[static_cast<std::size_t>(level.id.part)];
   part.finest = part.levels;
   if (!level.asset->level(part, part.levels - 1).complete()) return;
   while (part.finest > 0 && level.asset->level(part, part.finest - 1).grid_row != 0) --part.finest;
@@ -36,16 +36,14 @@ void Residency::dropPage(const Api& api, ResidentLevel& level, std::uint32_t pag
 
 // Drops a grid with its pages, and all finer levels of its kind of the part, which need it.
 void Residency::dropGrid(const Api& api, ResidentLevel& coarsest) {
-  const ResidentPart& part = coarsest.asset->parts[static_cast<std::size_t>(coarsest.part)];
   const auto goes = [&coarsest](const ResidentLevel* level) {
-    return level && level->asset == coarsest.asset && level->part == coarsest.part &&
-           level->distances == coarsest.distances && level->level <= coarsest.level;
+    return level && level->asset == coarsest.asset && level->id.part == coarsest.id.part &&
+           level->id.distances == coarsest.id.distances && level->id.level <= coarsest.id.level;
   };
   if (goes(transfer_.level)) cancel();
   pool_.giveBackIf([&goes](const Pool::Block& block) { return goes(block.level); });
-  for (int l = 0; l <= coarsest.level; ++l) {
-    ResidentLevel& level =
-        coarsest.distances ? coarsest.asset->distances(part, l) : coarsest.asset->level(part, l);
+  for (int l = 0; l <= coarsest.id.level; ++l) {
+    ResidentLevel& level = coarsest.asset->at({coarsest.id.part, l, coarsest.id.distances});
     if (level.grid_row == 0) continue;
     level.grid_row = 0;
     level.resident = 0;
@@ -54,7 +52,7 @@ void Residency::dropGrid(const Api& api, ResidentLevel& coarsest) {
   }
 }
 
-// Drops what is worth less than `priority` if that makes room. The first of `rows` free rows; 0: no room.
+// Drops blocks of a value below `priority` if that makes room. The first of `rows` free rows; 0: no room.
 std::uint32_t Residency::makeRoom(const Api& api, std::uint32_t rows, float priority) {
   if (const std::uint32_t row = pool_.findFree(rows)) return row;
   const std::span<const Pool::Block> found =
@@ -102,13 +100,12 @@ void Residency::cancel() {
 // Continues the transfer as far as the frame's bytes reach. True: it is done, or was cancelled.
 bool Residency::proceed(const Api& api) {
   ResidentLevel& level = *transfer_.level;
-  const runtime::Asset& asset = *level.asset->asset;
   const std::uint64_t left = byte_limit_ - std::min(byte_limit_, pool_.written());
   const std::uint64_t words = left > kReserve ? (left - kReserve) / sizeof(std::uint32_t) : 0;
   const std::uint64_t address = std::uint64_t{transfer_.row} * Pool::kRowWords + transfer_.done;
   if (transfer_.page == Pool::Block::kGrid) {
-    const LevelContent data = *contentOf(level);
-    const std::uint64_t all = data.gridWords();
+    const runtime::Level& data = *level.content();
+    const std::uint64_t all = gridWords(data);
     std::uint64_t some = std::min(words, all - transfer_.done);
     if (transfer_.done < data.cells.size()) {
       some = std::min(some, data.cells.size() - transfer_.done);
@@ -117,19 +114,15 @@ bool Residency::proceed(const Api& api) {
           data.cells.subspan(static_cast<std::size_t>(transfer_.done), static_cast<std::size_t>(some)));
     } else {
       pool_.writeZeros(api, address, some);
-      if (transfer_.done + some == all && !level.distances)
-        pool_.write(api, address + some - 1, {&Pool::kSolidBrick, 1});
+      if (transfer_.done + some == all) pool_.write(api, address + some - 1, {&Pool::kSolidBrick, 1});
     }
     transfer_.done += some;
     if (transfer_.done < all)
       return some > 0 && transfer_.done == data.cells.size() && words > some ? proceed(api) : false;
   } else {
-    runtime::PinnedPage pinned;
-    if (!level.distances)
-      pinned =
-          runtime::PageAccess::pin(asset, level.part, level.level, transfer_.page, level.worth.priority());
-    const std::span<const std::uint32_t> page =
-        level.distances ? contentOf(level)->codesOfPage(transfer_.page) : pinned.words();
+    const runtime::PinnedPage pinned =
+        runtime::PageAccess::pin(*level.asset->asset, level.id, transfer_.page, level.worth.priority());
+    const std::span<const std::uint32_t> page = pinned.words();
     if (page.empty()) {  // the asset dropped it meanwhile
       cancel();
       return true;
@@ -148,11 +141,11 @@ void Residency::finish(const Api& api) {
   ResidentLevel& level = *transfer_.level;
   const Transfer done = transfer_;
   if (done.page == Pool::Block::kGrid) {
-    const LevelContent data = *contentOf(level);
-    if (!level.page_rows.reset(data.pageCount())) return cancel();
+    const runtime::Level& data = *level.content();
+    if (!level.page_rows.reset(data.pages.size())) return cancel();
     level.all_rows = 0;
-    for (std::uint32_t page = 0; page < data.pageCount(); ++page) level.all_rows += data.rowsOfPage(page);
-    if (level.distances) level.band = level.asset->asset->distances(level.part, level.level)->band.outside;
+    for (std::uint32_t page = 0; page < data.pages.size(); ++page) level.all_rows += rowsOfPage(data, page);
+    if (level.id.distances) level.band = data.band.outside;
     level.grid_row = done.row;
     level.resident = 0;
   } else {

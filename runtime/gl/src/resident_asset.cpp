@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kTableComplete = 0x80000000u;
 
-// What fog's samples mean: shaders/fog.glsl, kelpLoadFog. It comes after the tables of the part's levels.
+// The meaning of fog's samples, after the tables of the part's levels: shaders/fog.glsl, kelpLoadFog.
 std::uint32_t fogWords(const Part& part) {
   return part.fog ? 6 + static_cast<std::uint32_t>(part.levels) +
                         3 * static_cast<std::uint32_t>(part.fog->ramp.size())
@@ -40,44 +40,19 @@ std::uint32_t tableWords(const Part& part, int distances) {
   return kTableWords * static_cast<std::uint32_t>(part.levels + distances) + fogWords(part);
 }
 
-constexpr std::uint32_t kCodeWords = kBrickVoxels / 4, kPageCodeWords = kMaxPageBricks * kCodeWords;
-
-LevelContent contentOf(const runtime::DistanceLevel& level) {
-  return {level.cells,
-          {},
-          {reinterpret_cast<const std::uint32_t*>(level.codes.data()),  // NOLINT: aligned, as allocations are
-           level.codes.size() / sizeof(std::uint32_t)}};
-}
-
 }  // namespace
 
-std::uint32_t LevelContent::pageCount() const {
-  return codes.empty() ? static_cast<std::uint32_t>(pages.size())
-                       : static_cast<std::uint32_t>((codes.size() + kPageCodeWords - 1) / kPageCodeWords);
-}
-std::span<const std::uint32_t> LevelContent::codesOfPage(std::uint32_t page) const {
-  const std::size_t first = std::size_t{page} * kPageCodeWords;
-  return codes.subspan(first, std::min<std::size_t>(kPageCodeWords, codes.size() - first));
-}
-std::uint32_t LevelContent::rowsOfPage(std::uint32_t page) const {
-  return Pool::rowsFor(codes.empty() ? runtime::pageWords(pages[page]) : codesOfPage(page).size());
+std::uint64_t gridWords(const runtime::Level& level) { return level.cells.size() + level.pages.size() + 1; }
+std::uint32_t rowsOfPage(const runtime::Level& level, std::uint32_t page) {
+  return Pool::rowsFor(pageWords(level.pages[page]));
 }
 
-std::optional<LevelContent> contentOf(const ResidentLevel& level) {
-  const runtime::Asset& asset = *level.asset->asset;
-  if (level.distances) {
-    const runtime::DistanceLevel* const found = asset.distances(level.part, level.level);
-    return found ? std::optional(contentOf(*found)) : std::nullopt;
-  }
-  const runtime::VoxelLevel* const found = asset.level(level.part, level.level);
-  return found ? std::optional(LevelContent{found->cells, found->pages, {}}) : std::nullopt;
-}
+const runtime::Level* ResidentLevel::content() const { return runtime::PageAccess::level(*asset->asset, id); }
 
 const ResidentLevel* ResidentAsset::coarser(const ResidentLevel& level) const {
-  const ResidentPart& part = parts[static_cast<std::size_t>(level.part)];
-  const int next = level.level + 1;
-  if (level.distances) return next < part.distances ? &distances(part, next) : nullptr;
-  return next < part.levels ? &this->level(part, next) : nullptr;
+  const ResidentPart& part = parts[static_cast<std::size_t>(level.id.part)];
+  const runtime::LevelId next{level.id.part, level.id.level + 1, level.id.distances};
+  return next.level < (next.distances ? part.distances : part.levels) ? &at(next) : nullptr;
 }
 
 void writePalette(std::span<const Material> palette, std::span<std::uint32_t> words) {
@@ -152,10 +127,9 @@ Result<std::unique_ptr<ResidentAsset>> describe(const runtime::Asset& asset, boo
       auto* const level = new (std::nothrow) ResidentLevel;
       if (!level) return kNoMemory;
       level->asset = fresh.get();
-      level->part = static_cast<std::int32_t>(p);
-      level->distances = i >= parts[p].levels;
-      level->level = level->distances ? i - parts[p].levels : i;
-      level->grid = brickGrid(latticeSize(parts[p].kind, levelSize(parts[p].size, level->level)));
+      const bool of_distances = i >= parts[p].levels;
+      level->id = {static_cast<int>(p), of_distances ? i - parts[p].levels : i, of_distances};
+      level->grid = brickGrid(latticeSize(parts[p].kind, levelSize(parts[p].size, level->id.level)));
       level->table = table + kTableWords * static_cast<std::uint32_t>(i);
       level->page_rows = Buffer<std::uint32_t>(allocator);
       fresh->levels[next] = level;
@@ -175,19 +149,13 @@ std::uint64_t poolBytes(const runtime::Asset& asset, Features features) {
     const int fields =
         distanceLevelsOf(asset, static_cast<std::size_t>(p), has(features, Features::kDistances));
     table_words += tableWords(parts[static_cast<std::size_t>(p)], fields);
-    for (int l = 0; l < fields; ++l) {
-      const runtime::DistanceLevel* level = asset.distances(p, l);
-      if (!level) continue;
-      const LevelContent content = contentOf(*level);
-      rows += Pool::rowsFor(content.gridWords());
-      for (std::uint32_t page = 0; page < content.pageCount(); ++page) rows += content.rowsOfPage(page);
-    }
-    for (int l = 0; l < parts[static_cast<std::size_t>(p)].levels; ++l) {
-      const runtime::VoxelLevel* level = asset.level(p, l);
-      if (!level) continue;
-      rows += Pool::rowsFor(LevelContent{level->cells, level->pages, {}}.gridWords());
-      for (const PageInfo& page : level->pages) rows += Pool::rowsFor(runtime::pageWords(page));
-    }
+    const auto add = [&rows](const runtime::Level* level) {
+      if (!level) return;
+      rows += Pool::rowsFor(gridWords(*level));
+      for (std::uint32_t page = 0; page < level->pages.size(); ++page) rows += rowsOfPage(*level, page);
+    };
+    for (int l = 0; l < fields; ++l) add(asset.distances(p, l));
+    for (int l = 0; l < parts[static_cast<std::size_t>(p)].levels; ++l) add(asset.level(p, l));
   }
   return (rows + Pool::rowsFor(table_words)) * Pool::kRowBytes;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the renderer knows of a host's asset: its parts and levels, and where they are in the pool.
+// A host's asset in the renderer: its parts and levels, and where they are in the pool.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +20,7 @@ struct ResidentAsset;
 // One level of voxels or of distances of one part in the pool.
 struct ResidentLevel {
   ResidentAsset* asset = nullptr;
-  std::int32_t part = 0;
-  std::int32_t level = 0;
-  bool distances = false;
+  runtime::LevelId id;
   glm::ivec3 grid{0};       // bricks
   std::uint32_t table = 0;  // its three words in the asset's tables: shaders/instance.glsl
   Worth worth;
@@ -32,11 +30,13 @@ struct ResidentLevel {
   std::uint8_t band = 0;            // of distances: the largest squared one of an empty voxel
   Buffer<std::uint32_t> page_rows;  // 0: not in the pool. Empty while the grid is not
 
+  // Null: it is not in memory.
+  const runtime::Level* content() const;
   std::uint64_t cellsAt() const { return std::uint64_t{grid_row} * Pool::kRowWords; }
   bool complete() const { return grid_row != 0 && resident == page_rows.size(); }
 };
 
-// What the frame's draws asked for of a part.
+// The level of a part that the frame's draws asked for.
 struct Want {
   float pixels = 0;        // that a level-0 voxel covers, at most
   std::int32_t level = 0;  // the finest that is of use
@@ -76,27 +76,20 @@ struct ResidentAsset {
   ResidentLevel& distances(const ResidentPart& part, int level) const {
     return *levels[part.first_level + static_cast<std::size_t>(part.levels + level)];
   }
+  ResidentLevel& at(const runtime::LevelId& id) const {
+    const ResidentPart& part = parts[static_cast<std::size_t>(id.part)];
+    return id.distances ? distances(part, id.level) : level(part, id.level);
+  }
   // The next coarser level of the same kind; null: there is none.
   const ResidentLevel* coarser(const ResidentLevel& level) const;
 };
 
-// What a level consists of, if the asset has it.
-struct LevelContent {
-  std::span<const std::uint32_t> cells;
-  std::span<const PageInfo> pages;       // of voxels
-  std::span<const std::uint32_t> codes;  // of distances, all pages
+// Words of a level's cells and of its page table, which ends with the page of kSolidBrick.
+std::uint64_t gridWords(const runtime::Level& level);
+std::uint32_t rowsOfPage(const runtime::Level& level, std::uint32_t page);
 
-  std::uint32_t pageCount() const;
-  // Words of the cells and of the page table. That of voxels ends with the page of kSolidBrick.
-  std::uint64_t gridWords() const { return cells.size() + pageCount() + (codes.empty() ? 1 : 0); }
-  std::uint32_t rowsOfPage(std::uint32_t page) const;
-  // A page of distances.
-  std::span<const std::uint32_t> codesOfPage(std::uint32_t page) const;
-};
-std::optional<LevelContent> contentOf(const ResidentLevel& level);
-
-// What the block is worth: what its level is. A grid is worth more than its pages, and less than the next
-// coarser level. `block` must have a level: tables and transfers have none.
+// The value of a block: that of its level. A grid has more than its pages, and less than the next coarser
+// level. `block` must have a level: tables and transfers have none.
 float worthOf(const Pool::Block& block);
 
 // The priority of a level's grid or of one of its pages. A grid comes before its pages, and after the next

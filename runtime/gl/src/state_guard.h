@@ -12,8 +12,8 @@ inline constexpr int kTextureUnits = 3;
 inline constexpr Enum kUnitTargets[kTextureUnits] = {constant::kTexture2dArray, constant::kTexture2d,
                                                      constant::kTexture2d};
 
-// What filling textures changes: pixel store, the pixel unpack buffer, and a 2D texture and a 2D array on the
-// active unit. Sets the pixel store to tightly packed rows from client memory.
+// State that filling textures changes: pixel store, the pixel unpack buffer, and a 2D texture and a 2D array
+// on the active unit. Sets the pixel store to tightly packed rows from client memory.
 class UploadGuard {
  public:
   UploadGuard(const Api& api, bool restore);
@@ -31,8 +31,8 @@ class UploadGuard {
   std::int32_t texture_2d_array_ = 0;
 };
 
-// What compiling and drawing change: program, vertex array, texture units, depth, culling, blending, polygon
-// mode, color mask.
+// State that compiling and drawing change: program, vertex array, texture units, depth, culling, blending,
+// polygon mode, color mask.
 class DrawGuard {
  public:
   DrawGuard(const Api& api, bool restore);
@@ -58,8 +58,8 @@ class DrawGuard {
   std::uint8_t color_mask_[kMaxDrawBuffers][4] = {};
 };
 
-// What fog changes in addition, and sets: the blending of the first draw buffer, and the masks of the others,
-// which DrawGuard restores. Within a DrawGuard.
+// State that fog changes in addition, and sets: the blending of the first draw buffer, and the masks of the
+// others, which DrawGuard restores. Within a DrawGuard.
 class BlendGuard {
  public:
   BlendGuard(const Api& api, bool restore);

@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 
 #include "detail.h"
-#include "drawn_arcs.h"
 #include "placing.h"
 #include "record_spline.h"
 

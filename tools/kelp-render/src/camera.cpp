@@ -121,7 +121,7 @@ void addOutline(const runtime::Instance& instance, Framing& framing) {
     while (index + 1 < part.levels &&
            std::max({part.size.x, part.size.y, part.size.z}) > (kMostBricks * kBrickSide) << index)
       ++index;
-    const runtime::VoxelLevel& level = *instance.asset->level(p, index);
+    const runtime::Level& level = *instance.asset->level(p, index);
     const float brick = static_cast<float>(kBrickSide << index);
     const Sections sections(instance, p, part);
 

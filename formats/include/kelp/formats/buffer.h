@@ -75,6 +75,17 @@ class Buffer {
     return {};
   }
 
+  // Enlarges it to `count` values or more, at least to twice as many, and keeps the content. False, with
+  // nothing changed, if memory is short.
+  [[nodiscard]] bool grow(std::uint64_t count) {
+    if (count <= size_) return true;
+    Buffer more(allocator_);
+    if (!more.reset(count > 2 * std::uint64_t{size_} ? count : 2 * std::uint64_t{size_})) return false;
+    if (size_ > 0) std::memcpy(static_cast<void*>(more.data_), data_, size_ * kSize);
+    swap(more);
+    return true;
+  }
+
   const Allocator& allocator() const { return allocator_; }
   T* data() { return data_; }
   const T* data() const { return data_; }

@@ -14,6 +14,7 @@
 #include "kelp/formats/distance.h"
 #include "kelp/formats/error.h"
 #include "kelp/formats/model.h"
+#include "kelp/formats/page.h"
 #include "kelp/formats/source.h"
 
 namespace kelp {
@@ -24,11 +25,10 @@ inline constexpr std::uint16_t kFormatMinor = 1;
 // Bounds on a pack; kLimit beyond. Limits and file size together bound the memory that the reader
 // takes:
 // - Pack::open: at most 2 max_metadata_bytes + 2 file sizes + 1/4 MiB;
-// - readGrid: at most 9/4 of the decoded grid + its stored size + 1/4 MiB + 4 bytes for each brick of the
-//   grid, for each that is stored and for each corner of bricks. A decoded grid has at most 32768 times its
-//   stored size, and a grid at most max_decoded_bytes / 16 bricks;
-// - readDistanceGrid: at most 10 times the decoded grid + its stored size + 1/4 MiB;
-// - readPage, readDistancePage: at most 1/2 MiB, kept in the PageData or DistancePage.
+// - readGrid, readDistanceGrid: at most 9/4 of the decoded grid + its stored size + 1/4 MiB + 4 bytes for
+//   each brick of the grid, for each that is stored and for each corner of bricks. A decoded grid has at most
+//   32768 times its stored size, and a grid at most max_decoded_bytes / 16 bricks;
+// - readPage: at most 1/2 MiB, kept in the PageData.
 struct Limits {
   std::uint64_t max_decoded_bytes = std::uint64_t{4} << 30;  // of any one chunk
   std::uint32_t max_side = 8192;                             // level-0 voxels along an axis
@@ -42,20 +42,7 @@ struct Limits {
 // prepares from it.
 inline constexpr std::size_t kWaveMemory = 784;
 
-// One page of bricks in the file. A page of voxels needs the shapes of the coarser voxels over it and beside
-// it, all others can be loaded by themselves.
-struct PageInfo {
-  std::uint64_t offset = 0;  // in the file
-  std::uint32_t stored = 0;  // bytes in the file
-  std::uint32_t raw = 0;     // decoded bytes, at most 64 KiB
-  std::uint64_t checksum = 0;
-  std::uint32_t first_slot = 0;
-  std::uint32_t count = 0;  // bricks
-  // 0: codes and attributes (solid); 1: density; 2: density and heat; 3: distances
-  std::uint8_t channels = 0;
-};
-
-// The grid of one level of one part and the pages that hold its bricks.
+// The grid of one level of one part, of voxels, fog or distances, and the pages that hold its bricks.
 struct LevelGrid {
   LevelGrid() = default;
   explicit LevelGrid(const Allocator& allocator) : cells(allocator), bricks(allocator), pages(allocator) {}
@@ -65,7 +52,8 @@ struct LevelGrid {
   bool coarsest = false;  // of the part
   glm::ivec3 size{0};     // of this level: voxels, or cubes of fog
   glm::ivec3 grid{0};     // bricks
-  // One a brick, x fastest, then y, then z. Empty: as in brick.h. Stored, or inside: makeStoredCell.
+  DistanceBand band;      // of distances
+  // One a brick, x fastest, then y, then z: kelp/formats/page.h.
   Buffer<std::uint32_t> cells;
   Buffer<std::uint32_t> bricks;  // one a stored brick, by slot: the index of its cell
   Buffer<PageInfo> pages;        // ascending slots, no gaps
@@ -88,21 +76,6 @@ struct LevelAbove {
   std::span<const BrickShape> shapes;  // one a stored brick, by slot; without surface: not known yet
 };
 
-// The grid of one level of distances of a solid part, and the pages that hold its bricks.
-struct DistanceGrid {
-  DistanceGrid() = default;
-  explicit DistanceGrid(const Allocator& allocator) : cells(allocator), bricks(allocator), pages(allocator) {}
-
-  glm::ivec3 size{0};  // of this level, in voxels
-  glm::ivec3 grid{0};  // bricks
-  DistanceBand band;
-  // One a brick, x fastest, then y, then z: kCellSolid | slot of a stored brick; kFarOutside or kFarInside,
-  // which all of its 512 codes are.
-  Buffer<std::uint32_t> cells;
-  Buffer<std::uint32_t> bricks;  // one a slot: the index of its cell
-  Buffer<PageInfo> pages;        // ascending slots, no gaps
-};
-
 // The pages of the next coarser level that a level's pages are decoded with: those over their bricks, which
 // decoding needs, and those beside, which empty boxes reach.
 struct PagesAbove {
@@ -119,41 +92,6 @@ struct PagesAbove {
   std::span<const std::uint32_t> of(std::size_t page) const {
     return pages.span().subspan(first[page], first[page + 1] - first[page]);
   }
-};
-
-// One decoded page of distances, like PageData.
-struct DistancePage {
-  DistancePage() = default;
-  explicit DistancePage(const Allocator& allocator) : codes(allocator), bits(allocator), scratch(allocator) {}
-
-  std::uint32_t first_slot = 0;
-  std::uint32_t count = 0;
-  Buffer<std::uint8_t> codes;  // 512 a brick (kelp/formats/distance.h)
-  Buffer<BrickBits> bits;      // one a brick
-  Buffer<std::byte> scratch;   // used by the reader only
-};
-
-// One decoded page. Keep one per thread and reuse it: once it has held the largest page, it allocates no
-// more.
-struct PageData {
-  PageData() = default;
-  explicit PageData(const Allocator& allocator)
-      : codes(allocator),
-        attributes(allocator),
-        shapes(allocator),
-        fog(allocator),
-        scratch(allocator),
-        workspace(allocator) {}
-
-  std::uint32_t first_slot = 0;
-  std::uint32_t count = 0;
-  Buffer<std::uint8_t> codes;        // 512 a brick
-  Buffer<std::uint32_t> attributes;  // one a surface voxel, brick by brick, in the order of codes
-  Buffer<BrickShape> shapes;         // one a brick
-  // Of a page of fog, where all of these are empty: 729 densities a brick, then 729 heats a brick
-  // (kelp/formats/fog.h).
-  Buffer<std::uint8_t> fog;
-  Buffer<std::byte> scratch, workspace;  // used by the reader only
 };
 
 // An open pack. Everything except the voxels is in memory and checked. Movable. Immutable: any thread may
@@ -177,21 +115,24 @@ class Pack {
 
   // Reads, checks and decodes the grid of a level. kMisuse for a part or level that does not exist.
   Result<LevelGrid> readGrid(int part, int level) const;
-  // Reads, checks and decodes a page of a grid that readGrid of this pack returned. Reuses the memory of
-  // `out`; allocates only if it is too small. above: the next coarser level of the same part, unless the
-  // level is the coarsest, or fog. Unknown shapes beside the page count as solid; PagesAbove lists the pages
-  // that make shapes known. kMisuse: there is no such page, or the shape of a stored brick over it is
-  // unknown.
-  Result<void> readPage(const LevelGrid& grid, std::size_t page, const LevelAbove& above,
-                        PageData& out) const;
 
   // True if the pack holds distances: of all levels of all its solid parts, or of none.
   bool hasDistances() const;
   // Levels of distances of a part, at least as many as it has levels of voxels; 0 if there are none.
   int distanceLevels(int part) const;
-  // Like readGrid and readPage, for distances. kMisuse: there are none, or no such part, level or page.
-  Result<DistanceGrid> readDistanceGrid(int part, int level) const;
-  Result<void> readDistancePage(const DistanceGrid& grid, std::size_t page, DistancePage& out) const;
+  // Like readGrid, for distances.
+  Result<LevelGrid> readDistanceGrid(int part, int level) const;
+
+  // Reads, checks and decodes a page of a grid of this pack, straight into `words` (kelp/formats/page.h), of
+  // which there must be pageWords(). Uses the other memory of `out`; allocates only if it is too small.
+  // above: of voxels that are not of the coarsest level: the next coarser level of the same part. kMisuse:
+  // there is no such page, or the shape of a stored brick over the page is not known; those beside that are
+  // not known count as solid. PagesAbove says which pages make them known.
+  Result<void> readPage(const LevelGrid& grid, std::size_t page, const LevelAbove& above,
+                        std::span<std::uint32_t> words, PageData& out) const;
+  // The same into out.words.
+  Result<void> readPage(const LevelGrid& grid, std::size_t page, const LevelAbove& above,
+                        PageData& out) const;
 
   // The chunks of the file, for tools. The first letter of a fourcc is in its lowest byte.
   struct ChunkInfo {

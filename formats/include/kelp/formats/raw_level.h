@@ -36,8 +36,12 @@ inline Result<RawLevel> readRawLevel(const Pack& pack, int part, int level, cons
   PageData page(allocator);
   for (std::size_t i = 0; i < grid.pages.size(); ++i) {
     if (const Result<void> read = reader->readPage(i, page); !read) return read.error();
-    raw.codes.insert(raw.codes.end(), page.codes.begin(), page.codes.end());
-    raw.attributes.insert(raw.attributes.end(), page.attributes.begin(), page.attributes.end());
+    for (std::uint32_t brick = 0; !of.fog && brick < page.info.count; ++brick) {
+      const std::span<const std::uint8_t> codes = page.codes(brick);
+      raw.codes.insert(raw.codes.end(), codes.begin(), codes.end());
+    }
+    const std::span<const std::uint32_t> attributes = page.attributes();
+    raw.attributes.insert(raw.attributes.end(), attributes.begin(), attributes.end());
     // Of fog: all densities of a page, then all heats, if there are any.
     const auto* const heats =
         page.fog.begin() + (grid.pages[i].channels == 2 ? page.fog.size() / 2 : page.fog.size());

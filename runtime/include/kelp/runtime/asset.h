@@ -8,28 +8,19 @@
 #include <span>
 
 #include "kelp/formats/pack.h"
-#include "kelp/runtime/page.h"
 
 namespace kelp::runtime {
 
-// One level of one part, without its voxels. Immutable; valid as long as the asset.
-struct VoxelLevel {
+// One level of one part, of voxels (or fog) or of distances. Immutable; valid as long as the asset.
+struct Level {
   glm::ivec3 size{0};                    // voxels of this level
   glm::ivec3 grid{0};                    // bricks
-  std::span<const std::uint32_t> cells;  // one a brick, x fastest, then y, then z (kelp/runtime/page.h)
+  std::span<const std::uint32_t> cells;  // one a brick, x fastest, then y, then z (kelp/formats/page.h)
   std::span<const PageInfo> pages;       // they hold the stored bricks
-};
-
-// One level of distances of one solid part (kelp/formats/distance.h), all of it. Immutable; valid as long as
-// the asset.
-struct DistanceLevel {
-  glm::ivec3 size{0};  // voxels of this level
-  glm::ivec3 grid{0};  // bricks
+  // Of distances (kelp/formats/distance.h):
   DistanceBand band;
-  // One a brick, x fastest, then y, then z: kCellSolid | slot of a stored brick; kFarOutside or kFarInside,
-  // which all of its 512 codes are.
-  std::span<const std::uint32_t> cells;
-  std::span<const std::uint8_t> codes;  // 512 a slot
+  std::span<const std::uint32_t> first_slots;  // of each page
+  std::span<const std::uint8_t> codes;         // 512 a slot
 };
 
 struct Options {
@@ -89,13 +80,13 @@ class Asset {
   void retry();
 
   // The level, if its grid and those of all coarser levels are loaded; else null.
-  const VoxelLevel* level(int part, int level) const;
+  const Level* level(int part, int level) const;
   // The finest level of the part that is wholly in memory and not finer than `wanted`. If there is none, the
   // coarsest of the finer ones. -1: none yet.
   int residentLevel(int part, int wanted = 0) const;
   // The level of distances, if all of it is in memory; else null. Needs Options::distance_level. Where the
   // budget does not hold a level, coarser ones are there; loadAll() says so, pump() does not.
-  const DistanceLevel* distances(int part, int level) const;
+  const Level* distances(int part, int level) const;
   // Whether the asset loads distances: it was asked to, and the pack has some.
   bool loadsDistances() const;
   // Bytes of grids, pages and distances that are in memory now.

@@ -22,10 +22,10 @@ namespace {
 std::uint64_t foggyCubes(const PageData& page, int channels, const std::vector<glm::ivec3>& positions,
                          const glm::ivec3& cubes) {
   std::uint64_t foggy = 0;
-  const std::size_t bricks = page.count;
+  const std::size_t bricks = page.info.count;
   for (std::size_t brick = 0; brick < bricks; ++brick) {
     const glm::ivec3 room =
-        glm::min(cubes - kBrickSide * positions[page.first_slot + brick], glm::ivec3(kBrickSide));
+        glm::min(cubes - kBrickSide * positions[page.info.first_slot + brick], glm::ivec3(kBrickSide));
     for (std::size_t i = 0; i < denseCount(room); ++i) {
       const glm::ivec3 cube = voxelAt(room, i);
       bool any = false;
@@ -102,17 +102,19 @@ LevelSummary::Counted countLevel(PackFile& file, std::uint32_t part, int level,
     counted.page_bytes += info.raw;
     readLevelPage(file, reader, i, page);
     if (of.fog) counted.foggy += foggyCubes(page, info.channels, positions, grid.size);
-    counted.solid +=
-        static_cast<std::uint64_t>(std::count_if(page.codes.begin(), page.codes.end(), isSolidCode));
-    counted.surface += page.attributes.size();
+    for (std::uint32_t brick = 0; !of.fog && brick < page.info.count; ++brick) {
+      const std::span<const std::uint8_t> codes = page.codes(brick);
+      counted.solid += static_cast<std::uint64_t>(std::count_if(codes.begin(), codes.end(), isSolidCode));
+    }
+    counted.surface += page.attributes().size();
     if (level > 0) continue;
-    for (const std::uint32_t attribute : page.attributes) ++palette_use[attributePalette(attribute)];
+    for (const std::uint32_t attribute : page.attributes()) ++palette_use[attributePalette(attribute)];
   }
   return counted;
 }
 
 std::uint64_t distanceBytes(PackFile& file, std::uint32_t part, int level) {
-  const Result<DistanceGrid> grid = file.pack().readDistanceGrid(static_cast<int>(part), level);
+  const Result<LevelGrid> grid = file.pack().readDistanceGrid(static_cast<int>(part), level);
   if (!grid) file.fail(grid.error(), levelText(file.pack(), part, level) + ", distances");
   std::uint64_t bytes = 0;
   for (const PageInfo& page : grid->pages) bytes += page.raw;

@@ -14,7 +14,7 @@ BrickReader::BrickReader(PackFile& file, int part, int level)
 bool BrickReader::next() {
   if (begun_ && slot_ + 1 >= grid().bricks.size()) return false;
   slot_ += begun_;
-  const bool turn = !begun_ || inPage() >= page_.count;
+  const bool turn = !begun_ || inPage() >= page_.info.count;
   if (turn) {
     page_index_ += begun_;
     readLevelPage(file_, level_, page_index_, page_);
@@ -28,7 +28,7 @@ bool BrickReader::next() {
 }
 
 std::span<const std::uint8_t> BrickReader::samples(int channel) const {
-  const std::size_t bricks = page_.count;
+  const std::size_t bricks = page_.info.count;
   return std::span<const std::uint8_t>(page_.fog.span())
       .subspan((static_cast<std::size_t>(channel) * bricks + inPage()) * kFogSamples, kFogSamples);
 }

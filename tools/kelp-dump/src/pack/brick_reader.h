@@ -22,19 +22,17 @@ class BrickReader {
   // Of the current brick.
   glm::ivec3 position() const { return grid().place(slot_); }
   std::uint64_t morton() const { return mortonCode(position()); }
-  std::span<const std::uint8_t> codes() const {
-    return std::span<const std::uint8_t>(page_.codes.span()).subspan(inPage() * kBrickVoxels, kBrickVoxels);
-  }
+  std::span<const std::uint8_t> codes() const { return page_.codes(inPage()); }
   // In the order of codes.
   std::span<const std::uint32_t> attributes() const {
-    return std::span<const std::uint32_t>(page_.attributes.span()).subspan(first_attribute_, attributes_);
+    return page_.attributes().subspan(first_attribute_, attributes_);
   }
   // Of fog. Channel 0 is density, 1 is heat.
   std::span<const std::uint8_t> samples(int channel) const;
   int channels() const { return grid().pages[page_index_].channels; }
 
  private:
-  std::size_t inPage() const { return slot_ - page_.first_slot; }
+  std::size_t inPage() const { return slot_ - page_.info.first_slot; }
 
   PackFile& file_;
   LevelReader level_;

@@ -11,20 +11,24 @@ namespace kelp::dump {
 LevelDistances::LevelDistances(PackFile& file, std::uint32_t part, int level) {
   const Pack& pack = file.pack();
   const std::string where = levelText(pack, part, level) + ", distances";
-  const Result<DistanceGrid> grid = pack.readDistanceGrid(static_cast<int>(part), level);
+  const Result<LevelGrid> grid = pack.readDistanceGrid(static_cast<int>(part), level);
   if (!grid) file.fail(grid.error(), where);
   requireMemory(grid->cells.size() * 2 * sizeof(std::uint32_t) + grid->bricks.size() * kBrickVoxels,
                 fmt::format("{}: {}:", file.path(), where), "use a coarser level, or a larger machine");
   size_ = grid->size;
   grid_ = grid->grid;
   raw_.band = grid->band;
-  raw_.cells.assign(grid->cells.begin(), grid->cells.end());
+  raw_.cells.reserve(grid->cells.size());
+  for (const std::uint32_t cell : grid->cells)
+    raw_.cells.push_back(cell & kCellSolid ? kCellSolid | grid->slotOf(cell) : cell);
   raw_.codes.reserve(grid->bricks.size() * kBrickVoxels);
-  DistancePage page;
+  PageData page;
   for (std::size_t i = 0; i < grid->pages.size(); ++i) {
-    if (const Result<void> read = pack.readDistancePage(*grid, i, page); !read)
-      file.fail(read.error(), where);
-    raw_.codes.insert(raw_.codes.end(), page.codes.begin(), page.codes.end());
+    if (const Result<void> read = pack.readPage(*grid, i, {}, page); !read) file.fail(read.error(), where);
+    for (std::uint32_t brick = 0; brick < page.info.count; ++brick) {
+      const std::span<const std::uint8_t> codes = page.codes(brick);
+      raw_.codes.insert(raw_.codes.end(), codes.begin(), codes.end());
+    }
   }
 }
 

@@ -207,7 +207,7 @@ KELP_API kelp_result kelp_asset_find_socket(kelp_asset asset, const char* name, 
 KELP_API kelp_result kelp_asset_resident_level(kelp_asset asset, int32_t part, int32_t wanted,
                                                int32_t* level);
 
-// The grid of a level of voxels. kelp/runtime/page.h says what a cell holds. Valid as long as the asset.
+// The grid of a level of voxels. kelp/formats/page.h says what a cell holds. Valid as long as the asset.
 typedef struct kelp_level {
   uint32_t struct_size;
   int32_t size[3];        // voxels of this level
@@ -225,8 +225,10 @@ typedef struct kelp_distance_level {
   int32_t grid[3];
   uint32_t band_outside;  // the largest squared distances that it stores: of empty voxels, of solid ones
   uint32_t band_inside;
-  const uint32_t* cells;  // one a brick: 0x80000000 | slot, or the code of all its voxels
-  const uint8_t* codes;   // 512 a slot
+  uint32_t pages;               // of stored bricks
+  const uint32_t* cells;        // one a brick: the code of all its voxels, or 0x80000000 | page << 7 | brick
+  const uint32_t* first_slots;  // one a page: the slot of its brick 0
+  const uint8_t* codes;         // 512 a slot
   uint64_t code_count;
 } kelp_distance_level;
 // KELP_ERROR_NOT_YET: not in memory, and never so unless kelp_asset_options.distance_level asks for it.

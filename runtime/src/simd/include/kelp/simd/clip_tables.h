@@ -29,7 +29,7 @@ struct WaveBlock {
   std::span<const WaveSums> sums;
 };
 
-// What is prepared of every clip of a pack.
+// Tables that are prepared for every clip of a pack.
 class ClipTables {
  public:
   explicit ClipTables(const Allocator& allocator);

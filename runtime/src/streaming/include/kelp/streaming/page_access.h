@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a renderer needs of an asset besides its public functions: requests, pages that stay in memory, and
+// For renderers, besides an asset's public functions: rounds of requests, pages that stay in memory, and
 // whether the asset still exists. Any thread may call any function at any time while the asset exists.
 #pragma once
 
@@ -19,7 +19,7 @@ class PinnedPage {
   ~PinnedPage();
 
   explicit operator bool() const { return pins_ != nullptr; }
-  std::span<const std::uint32_t> words() const { return words_; }  // kelp/runtime/page.h
+  std::span<const std::uint32_t> words() const { return words_; }  // kelp/formats/page.h
 
  private:
   friend struct PageAccess;
@@ -42,20 +42,28 @@ class AssetWatch {
   Asset::Life* life_ = nullptr;
 };
 
+struct LevelId {
+  int part = 0;
+  int level = 0;
+  bool distances = false;
+};
+
 // A request ends eight rounds after it was last made, and a page that was not used for eight rounds may make
-// room. urgency > 0; the most urgent is loaded first. Wrong indices are ignored.
+// room. urgency > 0; the most urgent is loaded first. Wrong indices are ignored. Levels of distances come
+// without being requested, and are never dropped.
 struct PageAccess {
   // Starts a round. From then on the caller drives the asset's rounds; pump() starts none by itself.
   static void beginRequests(const Asset& asset);
+  // Asset::level() or Asset::distances().
+  static const Level* level(const Asset& asset, const LevelId& id);
   // Requests the grid of a level.
-  static void request(const Asset& asset, int part, int level, float urgency);
+  static void request(const Asset& asset, const LevelId& id, float urgency);
   // The page if it is in memory. Else an empty PinnedPage, and the page is requested.
-  static PinnedPage pin(const Asset& asset, int part, int level, std::uint32_t page, float urgency);
-  // Whether loading the grid, or the page, failed since the last retry().
-  static bool hasFailed(const Asset& asset, int part, int level);
-  static bool hasFailed(const Asset& asset, int part, int level, std::uint32_t page);
-  // Whether a level of distances is going to be in memory, and is not yet.
-  static bool loadsDistances(const Asset& asset, int part, int level);
+  static PinnedPage pin(const Asset& asset, const LevelId& id, std::uint32_t page, float urgency);
+  // Whether the grid, or the page, is not to be had before the next retry(): loading it failed, or the asset
+  // has no such level.
+  static bool hasFailed(const Asset& asset, const LevelId& id);
+  static bool hasFailed(const Asset& asset, const LevelId& id, std::uint32_t page);
 };
 
 }  // namespace kelp::runtime
