@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Draws what GALLERY.md shows besides the other sheets: looks.png, light.png, fog.png, texture.png,
 slices.png and, where there is an X server (Xvfb), what the programs with a window show: collider.png,
-mirror.png, underwater.png, kelp_view.png and kelp_view_parts.png.
+mirror.png, underwater.png and kelp_view.png.
 
 python3 samples/pictures/gallery.py --bin build/release/bin --models samples/out/models --out samples/out/g
 (programs: kelp-bake, kelp-dump, kelp-render, and for the windows collider, mirror, underwater, kelp-view)
@@ -199,7 +199,7 @@ def windows(studio):
     options = studio.options
     packs = {name: studio.bake(os.path.join(options.models, name + ".glb"), name, "--resolution",
                                options.resolution * part // 8)
-             for name, part in (("kelp_plant", 8), ("octopus", 4), ("sea_grass", 5), ("dulse", 4),
+             for name, part in (("kelp_plant", 8), ("sea_grass", 5), ("dulse", 4),
                                 ("fish", 8), ("fusilier", 4))}
     plant, proxy = packs["kelp_plant"], studio.path("proxy.obj")
     studio.run("kelp-dump", "extract", plant, "--proxy", proxy)
@@ -208,7 +208,6 @@ def windows(studio):
         "mirror": ("mirror", plant, "--frames", "20"),
         "underwater": ("underwater", options.out, "--size", "800x450", "--start", "2", "--frames", "1"),
         "kelp_view": ("kelp-view", "--edit", plant, "--frames", "12"),
-        "kelp_view_parts": ("kelp-view", "--view", "parts", packs["octopus"], "--frames", "12"),
     }
     made = []
     for name, (program, *words) in shown.items():

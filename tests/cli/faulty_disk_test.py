@@ -129,10 +129,6 @@ class FaultyDisk(unittest.TestCase):
                                [KELP_DUMP, "extract", "a.kelp", "--vox", "a.vox"],
                                ["open", "read", "write", "rename"])
         self.tries_every_fault({"a.kelp": self.golden()},
-                               ["a.ply"],
-                               [KELP_DUMP, "extract", "a.kelp", "--ply", "a.ply"],
-                               ["open", "read", "write", "rename"])
-        self.tries_every_fault({"a.kelp": self.golden()},
                                ["a.png"],
                                [KELP_DUMP, "slice", "a.kelp", "-o", "a.png"],
                                ["open", "read", "write", "rename"])
@@ -145,14 +141,6 @@ class FaultyDisk(unittest.TestCase):
                                    [KELP_DUMP, "extract", "a.kelp", "--" + name, "a." + name],
                                    ["open", "read", "write", "rename"])
 
-    def test_dump_writes_slices(self):
-        command = [KELP_DUMP, "extract", "a.kelp", "--slices", "slices"]
-        _, found = self.run_in_fresh_folder({"a.kelp": self.golden()}, [], command)
-        pictures = [name for name in found if name.startswith("slices/")]
-        self.assertGreater(len(pictures), 1)
-        self.tries_every_fault(
-            {"a.kelp": self.golden()}, pictures, command, ["open", "read", "write", "rename"])
-
     def test_dump_writes_proxies(self):
         version = subprocess.run([KELP_DUMP, "--version"], capture_output=True, check=True).stdout
         if b"proxy" not in version:
@@ -163,15 +151,6 @@ class FaultyDisk(unittest.TestCase):
         self.assertGreater(len(proxies), 1)  # one for each part
         self.tries_every_fault(
             {"a.kelp": self.golden()}, proxies, command, ["open", "read", "write", "rename"])
-
-    def test_dump_replaces_a_rig(self):
-        rig = subprocess.run(
-            [KELP_DUMP, "rig", GOLDEN, "--part", "0"], capture_output=True, check=True).stdout
-        self.tries_every_fault(
-            {"a.kelp": self.golden(), "a.rig.json": rig},
-            ["b.kelp"],
-            [KELP_DUMP, "rig", "a.kelp", "--part", "0", "--set", "a.rig.json", "-o", "b.kelp"],
-            ["open", "read", "write", "rename"])
 
 
 if __name__ == "__main__":

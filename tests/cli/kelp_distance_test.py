@@ -192,7 +192,7 @@ class Distance(Case):
                 expected[x // 2 + shape[2] * (y // 2 + shape[1] * (z // 2))] |= solid
             self.assertEqual(bytes(occupancy), bytes(expected))
         self.run_program(DUMP, "extract", pack, "--npy", self.folder / "x", "--level", 4, code=1)
-        self.run_program(DUMP, "extract", pack, "--ply", self.folder / "x", "--level", 1, code=1)
+        self.run_program(DUMP, "extract", pack, "--vox", self.folder / "x", "--level", 1, code=1)
         self.run_program(DUMP, "verify", "--deep", pack)
 
     def test_they_can_be_left_out(self):

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Packs and rigs of a few kilobytes that name so much that work which grows with its square would take
-// minutes; and those that other writers make, which kelp-dump leaves as they are.
+// minutes; and INFO of other writers.
 #include <nlohmann/json.hpp>
 
 #include "extract_packs.h"
+#include "kelp/rig/rig.h"
 
 namespace kelp {
 namespace {
@@ -72,52 +73,52 @@ TEST_F(KelpDumpCost, ControlsAreEscapedInJson) {
 }
 
 // SPEC.md asks no name of a clip to be its own, and none to move anything.
-TEST_F(KelpDumpCost, SettingARigLeavesOtherPartsClipsAlone) {
-  RawPack two = pack({"a", "b"});
-  const Wave wave{1, 1, Target::kKnotOffset, {0.5f, 0, 0}, 2, 0};
-  Wave other = wave;
-  other.period = 3;
-  two.clips = {{"walk", 2, {wave}, {}}, {"walk", 3, {other}, {}}, {"idle", 1, {}, {}}};
-  const std::string before = write("before.kelp", two), after = folder_ / "after.kelp";
-  dump({"rig", before, "--part", "a", "--set", "none", "--axis", "+y", "-o", after}, 0);
-  const nlohmann::json clips =
-      nlohmann::json::parse(dump({"info", after, "--format", "json"}, 0).out)["clips"];
-  ASSERT_EQ(clips.size(), 3u) << clips;
-  for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(clips[i]["name"], "walk");
-    EXPECT_EQ(clips[i]["waves"], 1);
+
+TEST_F(KelpDumpCost, ASkinsRigComesFromInfo) {
+  RawPack raw = pack({"a", "b", "c"});
+  raw.clips = {{"nod", 2, {Wave{0, 1, Target::kKnotOffset, {0.1f, 0, 0}, 2, 0}}, {}},
+               {"sway", 4, {Wave{1, 1, Target::kKnotOffset, {0.1f, 0, 0}, 4, 0}}, {}}};
+  const auto printed = [&](const std::string& skin, std::vector<std::string> more = {}) {
+    raw.info_json = R"({"tool":"kelp-bake 0.1.0","options":{"resolution":32},"skin":)" + skin + "}";
+    more.insert(more.begin(), {"rig", write("pack.kelp", raw)});
+    return test::dump(more);
+  };
+  const std::string good =
+      R"({"parts":[{"joints":["hip"],"fit":{"mean":0.1}},{"joints":["tail","tip"],"knots":4},{"joints":["hip"]}]})";
+  const ProcessResult result = printed(good);
+  EXPECT_EQ(result.exit, 0) << result.err;
+  using Group = RigDescription::SkinGroup;
+  EXPECT_EQ(parseRig(result.out).skin,
+            (std::vector<Group>{Group{{"hip"}, 0, 2}, Group{{"tail", "tip"}, 4, 1}}));
+  EXPECT_EQ(parseRig(printed(good, {"--part", "1"}).out).clips.size(), 1u);
+  EXPECT_EQ(parseRig(printed(good, {"--axis", "+x"}).out).clips.size(), 1u);
+  // Anything else: a word about it, and the rig of the first part.
+  const char* const kBad[] = {
+      "3",
+      "[]",
+      "{}",
+      R"({"parts":7})",
+      R"({"parts":[]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":[3]}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":"c"}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":[]}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["\u001b[2J"]}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},7]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","d"],"knots":2}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","d"],"knots":1e99}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","d"],"knots":"5"}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c"],"knots":5}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","a"]}]})",
+  };
+  for (const char* bad : kBad) {
+    const ProcessResult said = printed(bad);
+    EXPECT_EQ(said.exit, 0) << bad << said.err;
+    EXPECT_NE(said.err.find("its INFO describes a skin that cannot be used ("), std::string::npos)
+        << bad << said.err;
+    EXPECT_TRUE(parseRig(said.out).skin.empty()) << bad;
+    EXPECT_EQ(parseRig(said.out).clips.size(), 1u) << bad;
   }
-  EXPECT_EQ(clips[2]["name"], "idle");
-  // Its own are replaced: "a" sways alone.
-  dump({"rig", before, "--part", "a", "--set", "sway", "--axis", "+y", "-o", after}, 0);
-  EXPECT_EQ(nlohmann::json::parse(dump({"info", after, "--format", "json"}, 0).out)["clips"].size(), 4u);
-}
-
-TEST_F(KelpDumpCost, InfoThatHasOtherRigsIsReplaced) {
-  RawPack two = pack({"a", "b"});
-  two.info_json = R"({"options":{},"rigs":5})";
-  const std::string path = write("a.kelp", two);
-  dump({"rig", path, "--part", "a", "--set", "sway", "--axis", "+y"}, 0);
-  EXPECT_EQ(
-      nlohmann::json::parse(dump({"info", path, "--format", "json"}, 0).out)["info"]["rigs"]["a"]["preset"],
-      "sway");
-}
-
-// Waves whose periods have no common multiple: so many that no proof comes to its end in time.
-TEST_F(KelpDumpCost, RigsThatTakeTooLongToProveAreRefused) {
-  std::string waves;
-  for (int period = 0; period < 60; ++period)
-    for (int harmonic = 1; harmonic <= 16; ++harmonic)
-      waves += (waves.empty() ? "" : ",") + std::string(R"({"knot": 1, "offset": [0, )") +
-               std::to_string(0.0045 / harmonic) + R"(, 0], "period": )" +
-               std::to_string((10 + 0.3437 * period) / harmonic) + "}";
-  const std::string rig = folder_.write(
-      "waves.rig.json",
-      R"({"kelp": 1, "axis": "+y", "knots": [{"at": 0}, {"at": 0.5}, {"at": 1}], "clips": {"c": {"waves": [)" +
-          waves + "]}}}");
-  const std::string path = write("a.kelp", pack());
-  const ProcessResult result = dump({"rig", path, "--set", rig, "-o", folder_ / "out.kelp"}, 3);
-  EXPECT_NE(result.err.find("clip 'c', part 0: the segment"), std::string::npos) << result.err;
 }
 
 }  // namespace

@@ -320,7 +320,7 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
       {{pack_, "-o", out_, "--frames", "0"}, 1, "frames"},
       {{pack_, "-o", out_, "--view", "inside"},
        1,
-       "--view inside: expected shaded, normals, depth, steps, level, distance, parts or fit"},
+       "--view inside: expected shaded, normals, depth, steps, level or distance"},
       {{pack_, "-o", out_, "--shading", "flat"}, 1, "--shading flat: expected gradient, faces or smooth"},
       {{pack_, "-o", out_, "--time", "nan"}, 1, "finite"},
       {{pack_, "-o", out_, "--background", "1,2,300"}, 1, "--background 1,2,300"},

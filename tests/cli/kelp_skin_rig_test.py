@@ -187,9 +187,6 @@ class SkinRig(unittest.TestCase):
         part = json.loads(self.dump("--part", "bone2"))
         self.assertEqual(len(part["knots"]), 6)
         self.assertNotIn("skin", part)
-        self.dump("--set", self.path("mine.rig.json"), fails=3)
-        self.assertIn("mine.rig.json: /skin: ", self.said)
-        self.assertIn("bake its file again: kelp-bake --rig", self.said)
 
     def test_what_folds_is_told(self):
         self.write("tube.gltf", tube(2.2))

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Proxies as a test sees them: readers of the four formats, and what a proxy must be, by counts and distances
-// of the test's own.
+// The promises of a proxy, by counts and distances of the tests' own.
 #pragma once
 
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <set>
 #include <sstream>
@@ -23,9 +21,9 @@ struct Mesh {
   std::vector<std::array<int, 3>> triangles;
 };
 
-inline Mesh readObj(const std::string& bytes) {
+inline Mesh readObj(const std::string& path) {
   Mesh mesh;
-  std::istringstream lines(bytes);
+  std::istringstream lines(readWhole(path));
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     std::string word;
@@ -41,89 +39,6 @@ inline Mesh readObj(const std::string& bytes) {
     }
   }
   return mesh;
-}
-
-inline Mesh readOff(const std::string& bytes) {
-  Mesh mesh;
-  std::istringstream words(bytes);
-  std::string magic;
-  std::size_t points = 0, triangles = 0, edges = 0, corners = 0;
-  words >> magic >> points >> triangles >> edges;
-  EXPECT_EQ(magic, "OFF");
-  mesh.points.resize(points);
-  mesh.triangles.resize(triangles);
-  for (glm::dvec3& p : mesh.points) words >> p.x >> p.y >> p.z;
-  for (auto& t : mesh.triangles) {
-    words >> corners >> t[0] >> t[1] >> t[2];
-    EXPECT_EQ(corners, 3u);
-  }
-  EXPECT_TRUE(static_cast<bool>(words));
-  return mesh;
-}
-
-template <class T>
-T take(const std::string& bytes, std::size_t& at) {
-  T value{};
-  if (at + sizeof(T) > bytes.size()) throw std::runtime_error("the file is too short");
-  std::memcpy(&value, bytes.data() + at, sizeof(T));
-  at += sizeof(T);
-  return value;
-}
-
-inline glm::dvec3 takePoint(const std::string& bytes, std::size_t& at) {
-  const float x = take<float>(bytes, at), y = take<float>(bytes, at), z = take<float>(bytes, at);
-  return {x, y, z};
-}
-
-inline Mesh readPlyMesh(const std::string& bytes) {
-  Mesh mesh;
-  const std::size_t end = bytes.find("end_header\n");
-  std::istringstream lines(bytes.substr(0, end));
-  std::size_t points = 0, triangles = 0, properties = 0;
-  bool binary = false;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.rfind("element vertex ", 0) == 0) points = std::stoul(line.substr(15));
-    if (line.rfind("element face ", 0) == 0) triangles = std::stoul(line.substr(13));
-    binary = binary || line.rfind("format binary_little_endian 1.0", 0) == 0;
-    properties += line.rfind("property float ", 0) == 0;
-  }
-  EXPECT_TRUE(binary);
-  EXPECT_EQ(properties, 3u);
-  std::size_t at = end + 11;
-  for (std::size_t i = 0; i < points; ++i) mesh.points.push_back(takePoint(bytes, at));
-  for (std::size_t i = 0; i < triangles; ++i) {
-    EXPECT_EQ(take<std::uint8_t>(bytes, at), 3);
-    for (int& corner : mesh.triangles.emplace_back()) corner = take<std::int32_t>(bytes, at);
-  }
-  EXPECT_EQ(at, bytes.size());
-  return mesh;
-}
-
-// Corners in one place are one vertex: the only reading of STL.
-inline Mesh readStl(const std::string& bytes) {
-  Mesh mesh;
-  std::size_t at = 80;
-  std::map<std::array<double, 3>, int> vertex;
-  for (std::uint32_t left = take<std::uint32_t>(bytes, at); left > 0; --left) {
-    takePoint(bytes, at);  // the normal
-    for (int& corner : mesh.triangles.emplace_back()) {
-      const glm::dvec3 p = takePoint(bytes, at);
-      const auto [known, is_new] = vertex.try_emplace({p.x, p.y, p.z}, static_cast<int>(mesh.points.size()));
-      if (is_new) mesh.points.push_back(p);
-      corner = known->second;
-    }
-    at += 2;
-  }
-  EXPECT_EQ(at, bytes.size());
-  return mesh;
-}
-
-inline Mesh readMesh(const std::string& path) {
-  const std::string bytes = readWhole(path), ending = path.substr(path.size() - 4);
-  return ending == ".obj"   ? readObj(bytes)
-         : ending == ".off" ? readOff(bytes)
-         : ending == ".ply" ? readPlyMesh(bytes)
-                            : readStl(bytes);
 }
 
 // Every directed edge once, and its opposite once; the triangles of a vertex are one fan; every point is

@@ -7,14 +7,11 @@ import os
 import pty
 import resource
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
-from signals import until_it_hears
 from terminal import read_terminal
 
 SOURCES = sys.argv.pop(1)
@@ -71,8 +68,8 @@ class EveryProgram(Case):
         if "kelp-dump" in PROGRAMS:
             commands += ["$kelp_dump " + words for words in
                          ("info --help", "schema", "info tiny.kelp", "verify tiny.kelp",
-                          "diff tiny.kelp tiny.kelp", "rig tiny.kelp --part 0", "extract tiny.kelp --ply -",
-                          "rig tiny.kelp --part 0 --set none -o -")]
+                          "diff tiny.kelp tiny.kelp", "rig tiny.kelp --part 0",
+                          "extract tiny.kelp --vox -")]
         return commands
 
     def test_a_full_disk_and_a_closed_stream_are_told(self):
@@ -102,9 +99,9 @@ class EveryProgram(Case):
     @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
     def test_nor_into_those_of_kelp_dump(self):
         for closed in ("", "exec <&- >&- 2>&-; "):
-            self.assertEqual(self.sh(closed + "$kelp_dump rig tiny.kelp --part 0 --set none -o %d.kelp"
-                                     % bool(closed)).returncode, 0)
-        self.assertEqual(self.read("0.kelp"), self.read("1.kelp"))
+            command = "$kelp_dump extract tiny.kelp --vox %d.vox" % bool(closed)
+            self.assertEqual(self.sh(closed + command).returncode, 0)
+        self.assertEqual(self.read("0.vox"), self.read("1.vox"))
 
 
     @unittest.skipUnless("kelp-bake" in PROGRAMS, "no kelp-bake")
@@ -126,13 +123,12 @@ class EveryProgram(Case):
     @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
     def test_no_open_stream_is_replaced(self):
         self.tells(
-            self.sh("echo one >log; $kelp_dump extract tiny.kelp --ply /dev/stdout >>log"), 2, "open stream")
+            self.sh("echo one >log; $kelp_dump extract tiny.kelp --vox /dev/stdout >>log"), 2, "open stream")
         self.assertEqual(self.read("log"), b"one\n")
 
     @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
     def test_notes_that_nobody_can_read_change_nothing(self):
-        for command in ("rig tiny.kelp", "slice tiny.kelp -o a.png", "extract tiny.kelp --vox a.vox",
-                        "rig tiny.kelp --part 0 --set none -o a.kelp"):
+        for command in ("rig tiny.kelp", "slice tiny.kelp -o a.png", "extract tiny.kelp --vox a.vox"):
             with self.subTest(command):
                 self.assertEqual(self.sh("$kelp_dump %s 2>/dev/full >/dev/null" % command).returncode,
                                  self.sh("$kelp_dump %s >/dev/null" % command).returncode)
@@ -149,10 +145,8 @@ class Dump(Case):
         return process.wait(timeout=60), text
 
     def test_bytes_do_not_go_to_a_terminal(self):
-        commands = [["extract", "tiny.kelp", "--vox", "-"],
-                    ["extract", "tiny.kelp", "--ply", "-"],
-                    ["rig", "tiny.kelp", "--part", "0", "--set", "none", "-o", "-"]]
-        if b"slices" in self.sh("$kelp_dump --version").stdout:
+        commands = [["extract", "tiny.kelp", "--vox", "-"]]
+        if self.sh("$kelp_dump slice none.kelp -o -").returncode != 5:
             commands.append(["slice", "tiny.kelp", "--part", "0", "-o", "-"])
         for command in commands:
             with self.subTest(command):
@@ -163,26 +157,12 @@ class Dump(Case):
         self.assertEqual(self.on_terminal(["info", "tiny.kelp"])[0], 0)
         self.assertEqual(self.on_terminal(["rig", "tiny.kelp", "--part", "0"])[0], 0)
 
-    def test_pipes_by_name(self):
-        for command in ("cat tiny.kelp | $kelp_dump info /dev/stdin", "$kelp_dump info /dev/stdin <tiny.kelp",
-                        "$kelp_dump info <(cat tiny.kelp)", "$kelp_dump info <(sleep 2.5; cat tiny.kelp)",
-                        "mkfifo p; cat tiny.kelp >p & sleep 0.1; $kelp_dump info p",
-                        "mkfifo q; (sleep 0.5; cat tiny.kelp >q) & $kelp_dump info q",
-                        "$kelp_dump diff <(cat tiny.kelp) <(cat tiny.kelp)",
-                        "$kelp_dump rig <(cat tiny.kelp) --part 0 --set <(echo '{\"kelp\": 1}') -o o.kelp"):
-            with self.subTest(command):
-                result = self.sh(command)
-                self.assertEqual(result.returncode, 0, result.stderr.decode())
-
-    def test_pipes_and_devices_that_bring_nothing(self):
-        self.tells(self.sh("mkfifo p; $kelp_dump info p"), 2, "p: ", "nobody writes to this pipe")
-        self.tells(self.sh("mkfifo r; $kelp_dump rig tiny.kelp --part 0 --set r -o o.kelp"), 2, "r: ",
-                   "nobody writes to this pipe")
-        self.tells(self.sh("$kelp_dump info <(true)"), 3, "not a .kelp pack")
+    def test_packs_are_files(self):
+        for command in ("cat tiny.kelp | $kelp_dump info -", "$kelp_dump info <(cat tiny.kelp)",
+                        "mkfifo p; $kelp_dump info p"):
+            self.tells(self.sh(command), 1, "pipe")
         for device in ("/dev/null", "/dev/zero"):
-            self.tells(self.sh("$kelp_dump info " + device), 2, "is a device", "- for standard input")
-        self.tells(self.sh("$kelp_dump rig <(cat tiny.kelp) --part 0 --set none"), 1, "is a pipe", "-o")
-        self.tells(self.sh("$kelp_dump rig tiny.kelp --part 0 --set - </dev/null"), 1, "--set -")
+            self.tells(self.sh("$kelp_dump info " + device), 2, "is a device")
 
     def test_odd_arguments(self):
         for code, words, says in ((1, "info ''", "PACK: is empty"),
@@ -190,7 +170,6 @@ class Dump(Case):
                                   (1, "diff tiny.kelp tiny.kelp --tolerance ''", "--tolerance: is empty"),
                                   (1, "slice tiny.kelp -o o.png --level ''", "--level: is empty"),
                                   (1, "rig tiny.kelp --part ''", "--part: is empty"),
-                                  (1, "rig tiny.kelp --set ''", "--set: is empty"),
                                   (1, "extract tiny.kelp --vox ''", "--vox: is empty"),
                                   (1, "--nonsense", "--nonsense: "),
                                   (1, "-", "-: "),
@@ -202,14 +181,14 @@ class Dump(Case):
                                   (2, "info $'no\\n.kelp'", "no .kelp: "),
                                   (1, "$'in\\nfo'", "in?fo"),
                                   (2, "info " + "x" * 5000, "too long"),
-                                  (2, "extract tiny.kelp --ply " + "x" * 256, "too long")):
+                                  (2, "extract tiny.kelp --vox " + "x" * 256, "too long")):
             with self.subTest(words):
                 self.tells(self.sh("$kelp_dump " + words), code, says)
         before = sorted(os.listdir(self.folder))
-        self.assertEqual(self.sh("$kelp_dump extract tiny.kelp --ply " + "x" * 255).returncode, 0)
+        self.assertEqual(self.sh("$kelp_dump extract tiny.kelp --vox " + "x" * 255).returncode, 0)
         self.assertEqual(
-            self.sh("cp tiny.kelp $'\\xff.kelp'; $kelp_dump info $'\\xff.kelp' --format json >/dev/null && "
-                    "$kelp_dump rig $'\\xff.kelp' --part 0 --set none").returncode, 0)
+            self.sh("cp tiny.kelp $'\\xff.kelp'; $kelp_dump info $'\\xff.kelp' --format json >/dev/null"
+                    ).returncode, 0)
         self.assertEqual(len(os.listdir(self.folder)), len(before) + 2)
 
     @unittest.skipUnless(os.path.isdir("/dev/shm") and os.geteuid() == 0, "needs root, to make a small disk")
@@ -221,8 +200,7 @@ class Dump(Case):
         try:
             self.assertEqual(self.sh("head -c 12000 /dev/zero >disk/there; cp tiny.kelp disk/old.kelp; cp "
                                      "disk/old.kelp old").returncode, 0)
-            for command in ("$kelp_dump extract tiny.kelp --ply disk/o.ply",
-                            "$kelp_dump rig disk/old.kelp --part 0 --set sway",
+            for command in ("$kelp_dump extract tiny.kelp --vox disk/o.vox",
                             "$kelp_bake model.obj -o disk/new.kelp --resolution 64"):
                 if "bake" in command and "kelp-bake" not in PROGRAMS:
                     continue
@@ -247,35 +225,14 @@ class Dump(Case):
             self.assertIn(b", vdb, nvdb)", self.sh("bin/kelp-dump --version").stdout)
             self.assertEqual(self.sh("bin/kelp-dump extract tiny.kelp --vdb o.vdb").returncode, 0)
 
-    def test_interrupted(self):
-        """Whatever it is doing, reading or writing: 130, and no file left behind."""
-        heard = lambda: [
-            signal.signal(each, signal.SIG_DFL) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
-        for command in (["verify", "--deep", "-"],
-                        ["info", "-", "--count"],
-                        ["rig", "-", "--part", "0", "--set", "none", "-o", "out.kelp"],
-                        ["extract", "-", "--ply", "out.ply"]):
-            for each in (signal.SIGINT, signal.SIGTERM):
-                with self.subTest(command):
-                    process = subprocess.Popen(
-                        [PROGRAMS["kelp-dump"], *command], cwd=self.folder, stdin=subprocess.PIPE,
-                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=heard)
-                    process.stdin.write(self.read("tiny.kelp"))
-                    process.stdin.flush()
-                    until_it_hears(process, each)
-                    time.sleep(0.2)
-                    process.send_signal(each)
-                    text = process.communicate(timeout=30)[1]
-                    self.assertEqual((process.returncode, text), (130, b"kelp-dump: interrupted\n"))
-        # While it writes: to a pipe that nobody empties, through the file that it was asked for.
-        self.assertEqual(sorted(os.listdir(self.folder)), ["model.obj", "tiny.kelp"])
-        self.write("keep.ply", "what was there")
-        limited = lambda: (heard(), resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100)))
-        result = subprocess.run([PROGRAMS["kelp-dump"], "extract", "tiny.kelp", "--ply", "keep.ply"],
+    def test_what_is_half_written_replaces_nothing(self):
+        self.write("keep.vox", "what was there")
+        limited = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+        result = subprocess.run([PROGRAMS["kelp-dump"], "extract", "tiny.kelp", "--vox", "keep.vox"],
                                 cwd=self.folder, capture_output=True, preexec_fn=limited)
-        self.tells(result, 2, "keep.ply", "too large")
-        self.assertEqual(self.read("keep.ply"), b"what was there")
-        self.assertEqual(sorted(os.listdir(self.folder)), ["keep.ply", "model.obj", "tiny.kelp"])
+        self.tells(result, 2, "keep.vox", "too large")
+        self.assertEqual(self.read("keep.vox"), b"what was there")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["keep.vox", "model.obj", "tiny.kelp"])
 
 
 if __name__ == "__main__":

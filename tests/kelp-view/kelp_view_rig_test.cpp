@@ -18,7 +18,7 @@
 #include "rig_knots.h"
 #include "rig_packs.h"
 #include "support/scratch.h"
-#include "travelling_wave.h"
+#include "waves.h"
 
 namespace kelp::view {
 namespace {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "arguments.h"
 #include "handles.h"
 #include "support/scratch.h"
 #include "support/test_pack.h"
@@ -135,6 +136,23 @@ TEST(ViewerModel, SaysWhyAFileIsNotShown) {
   const auto text = Model::open(std::string(KELP_SOURCE_DIR) + "/LICENSE");
   ASSERT_FALSE(text);
   EXPECT_EQ(text.error().code, ErrorCode::kNotAPack);
+}
+
+TEST(Surfaces, AreAnOption) {
+  std::string wrong;
+  for (int i = 0; i < static_cast<int>(Surface::kCount); ++i) {
+    const auto surface = static_cast<Surface>(i);
+    const char* const words[] = {"kelp-view", "--view", toString(surface), "fox.kelp"};
+    const auto arguments = parseArguments(4, words, wrong);
+    ASSERT_TRUE(arguments) << wrong;
+    EXPECT_EQ(arguments->surface, surface);
+    EXPECT_EQ(arguments->pack, "fox.kelp");
+  }
+  for (const char* const bad : {"nonsense", "fit"}) {
+    const char* const words[] = {"kelp-view", "--view", bad};
+    EXPECT_FALSE(parseArguments(3, words, wrong));
+    EXPECT_FALSE(parseArguments(2, words, wrong));
+  }
 }
 
 }  // namespace

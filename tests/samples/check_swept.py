@@ -32,7 +32,7 @@ def covered(picture):
     return len(found), max(xs) - min(xs) + 1, max(ys) - min(ys) + 1
 
 
-def check_pack(binaries, pack, clip, folder):
+def check_pack(binaries, model, pack, clip, folder):
     """The pack is sound and swept. Returns the rig that it holds."""
     dump = os.path.join(binaries, "kelp-dump")
     assert "sound" in run(dump, "verify", "--deep", pack)
@@ -43,7 +43,8 @@ def check_pack(binaries, pack, clip, folder):
         path = os.path.join(folder, "sheared.rig.json")
         with open(path, "w", encoding="ascii") as file:
             json.dump(rig, file)
-        said = run(dump, "rig", pack, "--set", path, "-o", os.path.join(folder, "sheared.kelp"), code=3)
+        said = run(os.path.join(binaries, "kelp-bake"), model, "--rig", path, "-o",
+                   os.path.join(folder, "sheared.kelp"), "--resolution", "32", code=3)
         assert "'curl'" in said and "turns back" in said, said
 
 
@@ -68,9 +69,9 @@ def main(binaries, models, pictures):
     with tempfile.TemporaryDirectory() as folder:
         packs = {name: os.path.join(folder, name + ".kelp") for name in MODELS}
         for name, pack in packs.items():
-            run(os.path.join(binaries, "kelp-bake"), os.path.join(models, name + ".glb"), "-o", pack,
-                "--resolution", "128")
-            check_pack(binaries, pack, MODELS[name][0], folder)
+            model = os.path.join(models, name + ".glb")
+            run(os.path.join(binaries, "kelp-bake"), model, "-o", pack, "--resolution", "128")
+            check_pack(binaries, model, pack, MODELS[name][0], folder)
         if not os.path.exists(render):
             print("SKIPPED: no kelp-render for the pictures")
             return

@@ -6,8 +6,7 @@ import textwrap
 
 ENVIRONMENT = {
     "kelp-bake": [("TERM", "If it is dumb, there is no bar of progress.")],
-    "kelp-dump": [("NO_COLOR", "If it is set and not empty, palettes are printed without colours."),
-                  ("TERM", "If it is dumb, palettes are printed without colours.")],
+    "kelp-dump": [],
     "kelp-render": [("LIBGL_ALWAYS_SOFTWARE", "Mesa's: if it is 1, the processor draws, not the GPU.")],
     "kelp-view": [("DISPLAY", "The X server that shows the window."),
                   ("PATH", "Where kelp-bake is looked for, unless it is beside kelp-view.")],
@@ -130,7 +129,7 @@ def page(text, version, date):
     out += ".SH EXIT STATUS\n"
     out += "".join(".TP\n%s\n%s\n" % (bold(code), prose(meaning)) for code, meaning in text.exit_codes)
     out += ".PP\n%s\n" % prose(text.exit_note) if text.exit_note else ""
-    out += ".SH ENVIRONMENT\n"
+    out += ".SH ENVIRONMENT\n" if ENVIRONMENT[text.program] else ""
     out += "".join(".TP\n%s\n%s\n" % (bold(name), prose(about)) for name, about in ENVIRONMENT[text.program])
     of_commands = [pair for command in text.commands.values() for pair in command.examples]
     out += ".SH EXAMPLES\n" + examples(text.examples + of_commands)

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include "command_line.h"
+#include "commands/commands.h"
 
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "commands/commands.h"
-#include "commands/options.h"
 #include "text/text.h"
 
 namespace kelp::dump {
@@ -24,13 +25,24 @@ constexpr const char* kExamples =
     "  kelp-dump verify reed.kelp --deep            recompute clearances, levels, distances; compare\n"
     "  kelp-dump diff old.kelp new.kelp             which parts, voxels, colours, rigs and clips differ\n"
     "  kelp-dump rig reed.kelp > reed.rig.json      the rig as kelp-bake --rig reads it\n"
-    "  kelp-dump rig reed.kelp --set reed.rig.json  put it back into the pack, without baking\n"
-    "  kelp-dump extract reed.kelp --vox reed.vox   its voxels for MagicaVoxel; or --vdb, --nvdb, --ply, "
-    "--slices\n"
+    "  kelp-dump extract reed.kelp --vox reed.vox   its voxels for MagicaVoxel; or --vdb, --nvdb, --npy, "
+    "--proxy\n"
     "  kelp-dump slice reed.kelp -o layer.png       a layer of voxels as a picture\n"
-    "  cat reed.kelp | kelp-dump info - --format json\n"
     "\n"
     "kelp-dump COMMAND --help says more. ";
+
+// Options of earlier versions, and what to use instead.
+constexpr std::pair<std::string_view, std::string_view> kGone[] = {
+    {"--set", "bake again with kelp-bake --rig, or edit the rig in kelp-view"},
+    {"--ply", "use --proxy OUT.ply for a surface, --vox or --vdb for colors"},
+    {"--slices", "use kelp-dump slice for a layer, --npy for all voxels"}};
+
+void refuseGone(const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    for (const auto& [option, instead] : kGone)
+      if (word == option || word.starts_with(std::string(option) + "="))
+        throw ToolError(Exit::kUsage, fmt::format("{} is gone; {}", option, instead));
+}
 
 // Says what is wrong with the command line. CLI11's own words help little.
 [[noreturn]] void failUsage(const CLI::App& app, const std::string& first, const CLI::ParseError& error) {
@@ -42,6 +54,7 @@ constexpr const char* kExamples =
                                       kCommands);
   // An unknown word is named first: it may be why another is missing.
   const std::vector<std::string> unknown = app.remaining(true);
+  refuseGone(unknown);
   const std::string what =
       unknown.empty() ? std::string(error.what()) : nameText(unknown.front()) + ": is not expected here";
   throw ToolError(Exit::kUsage, what + "; see kelp-dump " + first + " --help");
@@ -60,7 +73,7 @@ void refuseEmptyValues(const CLI::App& command) {
 
 Exit runCommandLine(const std::vector<std::string>& words) {
   CLI::App app(
-      "Says what is in a .kelp pack and whether it is sound, extracts its voxels and replaces its rigs. Data "
+      "Says what is in a .kelp pack and whether it is sound, and extracts its voxels and rigs. Data "
       "goes to stdout, everything else to stderr.",
       "kelp-dump");
   app.set_version_flag("--version",

@@ -4,7 +4,7 @@
 #include <new>
 #include <string>
 
-#include "command_line.h"
+#include "commands/commands.h"
 #include "kelp/common/console.h"
 #include "kelp/common/output_file.h"
 #include "text/text.h"

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The framebuffer that is drawn into and read back.
+// The framebuffer that is drawn into and read back, and the way from its samples to the pixels of a file.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include <glm/vec2.hpp>
+
+#include "options.h"
 
 namespace kelp::render {
 
@@ -34,5 +36,17 @@ class Canvas {
   unsigned buffers_[2] = {};
   std::vector<std::uint8_t> pixels_;
 };
+
+// RGBA, 8 bits each, rows from top to bottom.
+struct Picture {
+  glm::ivec2 size{0};
+  std::vector<std::uint8_t> rgba;
+};
+
+// `drawn`: `samples` * `samples` values for each pixel, RGBA, premultiplied, rows from bottom to top; alpha 0
+// where nothing was drawn. `colors`: the values are sRGB colours and are averaged as light; else plain
+// numbers. With a transparent background alpha is the coverage.
+Picture resolve(const std::vector<std::uint8_t>& drawn, glm::ivec2 size, int samples, bool colors,
+                const Background& background);
 
 }  // namespace kelp::render

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What draws a frame: kelp's runtime, or the paper's method as published.
+// Draws a frame: by kelp's runtime, or by the paper's method as published.
 #pragma once
 
 #include <memory>

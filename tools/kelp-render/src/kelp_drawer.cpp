@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Draws by kelp's own method: kelp::gl::Renderer.
 #include <cstdio>
-#include <optional>
 
 #include "drawer.h"
 #include "gl_program.h"
@@ -9,7 +8,6 @@
 #include "headless_context.h"
 #include "kelp/common/distance_slice.h"
 #include "kelp/common/pack_error.h"
-#include "part_texture.h"
 
 namespace kelp::render {
 namespace {
@@ -31,14 +29,11 @@ class KelpDrawer final : public Drawer {
     renderer_ = checkPack("OpenGL", gl::Renderer::create(config));
     for (const auto& [key, pack] : scene.packs()) checkPack(key.path, renderer_->add(*pack));
     checkPack("OpenGL", renderer_->upload(~std::uint64_t{0}));
-    if (options.showsParts()) parts_.emplace(scene.instances(), options.view == ViewKind::kFit);
   }
 
   void draw(const gl::View& view, std::span<const runtime::Instance> instances) override {
     if (slice_) return drawSlice(view, instances);
-    gl::View painted = view;
-    if (parts_) parts_->attach(painted);
-    checkPack("OpenGL", renderer_->draw(painted, instances));
+    checkPack("OpenGL", renderer_->draw(view, instances));
     if (colors_) checkPack("OpenGL", renderer_->draw(view, instances, gl::Pass::kFog));
   }
 
@@ -88,7 +83,6 @@ class KelpDrawer final : public Drawer {
   bool colors_, es_, slice_;
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<GlProgram> counter_, slicer_;
-  std::optional<PartTexture> parts_;
 };
 
 }  // namespace

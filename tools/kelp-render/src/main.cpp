@@ -16,7 +16,6 @@
 #include "kelp/common/png.h"
 #include "method_report.h"
 #include "options.h"
-#include "picture.h"
 #include "scene.h"
 #include "views.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What --method prints: the steps of a ray and the time of a frame.
+// Prints for --method: the steps of a ray and the time of a frame.
 #pragma once
 
 #include <memory>

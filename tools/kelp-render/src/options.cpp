@@ -48,11 +48,12 @@ bool parseVector(std::string_view text, glm::vec3& out) {
 ViewKind parseView(const std::string& text) {
   static const std::map<std::string, ViewKind> views{
       {"shaded", ViewKind::kShaded}, {"normals", ViewKind::kNormals}, {"depth", ViewKind::kDepth},
-      {"steps", ViewKind::kSteps},   {"level", ViewKind::kLevel},     {"distance", ViewKind::kDistance},
-      {"parts", ViewKind::kParts},   {"fit", ViewKind::kFit}};
+      {"steps", ViewKind::kSteps},   {"level", ViewKind::kLevel},     {"distance", ViewKind::kDistance}};
+  if (text == "parts" || text == "fit")
+    throw ToolError(Exit::kUsage,
+                    fmt::format("--view {} is gone; see clips[].fit of kelp-bake --report", text));
   const auto found = views.find(text);
-  if (found == views.end())
-    refuse("--view", text, "shaded, normals, depth, steps, level, distance, parts or fit");
+  if (found == views.end()) refuse("--view", text, "shaded, normals, depth, steps, level or distance");
   return found->second;
 }
 
@@ -127,13 +128,10 @@ void checkPaperOptions(const Options& options, int level) {
   if (level > 0)
     throw ToolError(Exit::kUsage, fmt::format("--level {}: --method {} draws level 0 only; leave --level out",
                                               level, method));
-  if (options.view == ViewKind::kDistance || options.showsParts())
-    throw ToolError(Exit::kUsage, fmt::format("--view {}: is the same for every method; leave "
-                                              "--method {} out",
-                                              options.view == ViewKind::kDistance ? "distance"
-                                              : options.view == ViewKind::kFit    ? "fit"
-                                                                                  : "parts",
-                                              method));
+  if (options.view == ViewKind::kDistance)
+    throw ToolError(
+        Exit::kUsage,
+        fmt::format("--view distance: is the same for every method; leave --method {} out", method));
   if (options.shading != gl::Shading::kGradient)
     throw ToolError(Exit::kUsage, fmt::format("--shading: --method {} has one normal for each voxel; leave "
                                               "--shading out",
@@ -237,7 +235,7 @@ void addPictureOptions(CLI::App& app, Options& options, PictureText& text) {
       ->required()
       ->option_text("OUT.png");
   app.add_option("--view", text.view, "what to show")
-      ->option_text("shaded|normals|depth|steps|level|distance|parts|fit [shaded]");
+      ->option_text("shaded|normals|depth|steps|level|distance [shaded]");
   app.add_option(
          "--method", text.method,
          "how rays are traced: by kelp, or as the paper published it, with constant steps or distance-field "
@@ -315,8 +313,6 @@ constexpr char kFooter[] =
     "  kelp-render reed.kelp -o turn.png --frames 36                         a turntable\n"
     "  kelp-render reed.kelp -o cost.png --view steps                        steps of each ray: blue 0, "
     "red 64 and more\n"
-    "  kelp-render fox.kelp -o fit.png --view fit                            how closely parts follow "
-    "their skin\n"
     "  kelp-render reed.kelp -o soft.png --soft-shadows 2 --occlusion distances\n"
     "  kelp-render reed.kelp -o both.png --bend shear --and reed.kelp --bend sweep --at 0.5,0,0\n"
     "  kelp-render orange.kelp -o paper.png --method paper-df                the paper's method as "

@@ -14,7 +14,7 @@
 
 namespace kelp::render {
 
-enum class ViewKind { kShaded, kNormals, kDepth, kSteps, kLevel, kDistance, kParts, kFit };
+enum class ViewKind { kShaded, kNormals, kDepth, kSteps, kLevel, kDistance };
 // Who traces the rays: kelp's runtime, or the paper's method as published, with constant or distance-field
 // steps.
 enum class Method { kKelp, kPaper, kPaperDf };
@@ -64,9 +64,7 @@ struct Options {
   std::optional<int> level;
   std::optional<Background> background;
 
-  // Whether each part has one colour.
-  bool showsParts() const { return view == ViewKind::kParts || view == ViewKind::kFit; }
-  // Whether the picture is shaded by distances.
+  // The picture is shaded by distances.
   bool shadesByDistances() const {
     return view == ViewKind::kShaded && (soft_shadows > 0 || occlusion_by_distances);
   }

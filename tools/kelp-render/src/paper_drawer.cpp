@@ -67,7 +67,7 @@ struct PosedPart {
         to_world(partToWorld(posed, p).value()),
         to_clip(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye) * to_world) {}
 
-  // What the bounds cover of the picture: low x, low y, high x, high y in clip space.
+  // The rectangle that the bounds cover: low x, low y, high x, high y in clip space.
   glm::vec4 rectangle() const {
     glm::vec2 low(1), high(-1);
     for (int corner = 0; corner < 8; ++corner) {

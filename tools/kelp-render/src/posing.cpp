@@ -44,7 +44,7 @@ int findPart(const Pack& pack, const KnotChange& change) {
                                             change.part, listNames(parts)));
 }
 
-// What is wrong with the part, where, and what to do. Empty: it can be drawn.
+// Says why a part cannot be drawn, where, and what to do. Empty: it can.
 std::string wrongWith(const Part& part, std::span<const Knot> knots, float roll) {
   const Result<void> sound = checkRig(part.bend, knots, part.size, roll);
   if (sound) return {};

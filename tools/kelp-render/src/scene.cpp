@@ -14,6 +14,8 @@
 #include "kelp/common/console.h"
 #include "kelp/common/memory.h"
 #include "kelp/common/pack_error.h"
+#include "kelp/rig/raw_clips.h"
+#include "kelp/rig/rig.h"
 
 namespace kelp::render {
 namespace {
@@ -116,6 +118,25 @@ Scene::Scene(const Options& options) {
 
 void Scene::pose(double seconds) {
   for (std::size_t i = 0; i < poses_.size(); ++i) posings_[i].apply(seconds, poses_[i]);
+}
+
+Rebent::Rebent(const std::string& path, const Source& source, Bend bend) {
+  const Pack pack = checkPack(path, Pack::open(source));
+  RawRigs rigs{std::string(pack.infoJson()), {}, rawClips(pack), rawSockets(pack)};
+  for (const Part& part : pack.parts()) {
+    RawRig& rest = rigs.parts.emplace_back(rawRig(part));
+    rest.bend = bend;
+    if (bend == Bend::kShear) rest.roll = 0;
+    try {
+      checkRest(rest, part.size);
+    } catch (const RigError& error) {
+      throw ToolError(Exit::kInvalid, fmt::format("{}: --bend {}: part {}: {}", path, toString(bend),
+                                                  part.name, error.what()));
+    }
+  }
+  bytes_.reserve(source.size);
+  const Sink sink = Sink::into(bytes_);
+  checkPack(path, writeRigs(source, rigs, sink));
 }
 
 }  // namespace kelp::render

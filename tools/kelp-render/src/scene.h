@@ -3,6 +3,7 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,16 +12,30 @@
 #include <vector>
 
 #include "kelp/formats/source.h"
+#include "kelp/formats/spline.h"
 #include "kelp/runtime/asset.h"
 #include "options.h"
 #include "posing.h"
-#include "rebent.h"
 
 namespace kelp::render {
 
 // Bytes that the voxels of all packs may take, in the form in which they are drawn. OpenGL keeps them too,
 // and without a GPU it does so in the same memory.
 std::uint64_t mostMemory();
+
+// --bend: a pack in memory whose parts all bend in one way, whatever their rigs say.
+class Rebent {
+ public:
+  // Reads the pack `path` whole. ToolError kInvalid, with part, knot and place, if a rest rig cannot bend so.
+  // A part that becomes sheared loses its roll.
+  Rebent(const std::string& path, const Source& source, Bend bend);
+
+  // Valid as long as this object.
+  Source source() const { return MemorySource(bytes_).source(); }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
 
 class Scene {
  public:
@@ -36,7 +51,7 @@ class Scene {
   void pose(double seconds);
   std::span<const runtime::Instance> instances() const { return instances_; }
 
-  // What a pack is read for: several items may draw the same.
+  // A pack is read once for each key; several items may draw it.
   struct Key {
     std::string path;
     std::optional<Bend> bend;

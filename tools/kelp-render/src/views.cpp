@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "kelp/common/part_colors.h"
-
 namespace kelp::render {
 namespace {
 
@@ -60,10 +58,6 @@ ViewStyle styleOf(ViewKind kind, const Camera& camera) {
       break;
     case ViewKind::kLevel:
       style.surface = kLevel;
-      break;
-    case ViewKind::kParts:
-    case ViewKind::kFit:
-      style.surface = kPartSurface;
       break;
     case ViewKind::kDistance:
       break;  // not of surfaces: kDistanceSlice

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the pixels of each --view mean.
+// The meaning of the pixels of each --view.
 #pragma once
 
 #include <string>

@@ -53,9 +53,8 @@ Usage: kelp-view [OPTIONS] [PACK]
        kelp-view [OPTIONS] --watch MODEL [OPTIONS OF kelp-bake]
 
   PACK                      the .kelp file to show; drop others onto the window
-  --view shaded|normals|levels|steps|distances|parts|fit
-                            what the colours mean; parts: each its own; fit: how closely each part follows
-                            the skin it was made from: green 0 voxels, red 4 and more
+  --view shaded|normals|levels|steps|distances
+                            what the colors mean
   --edit                    open the rig editor at once (key E)
   --watch PACK              show the pack again whenever it changes
   --watch MODEL             bake a model and show it, again whenever it, its rig or a texture changes.
@@ -67,13 +66,13 @@ Usage: kelp-view [OPTIONS] [PACK]
   --version                 print the version and exit
 
 Mouse: left drag turns, or moves a handle; right drag moves the camera; wheel zooms.
-Keys: space play, F fit, H handles, E rig editor, R reset handles, P colours of parts, their fit, and back,
-J joints and chains; in the editor Ctrl Z undo, Ctrl Y redo, Ctrl S save.
+Keys: space play, F fit, H handles, E rig editor, R reset handles; in the editor Ctrl Z undo, Ctrl Y redo,
+Ctrl S save.
 It needs a display (DISPLAY) and OpenGL 3.3.
 
 Examples:
   kelp-view reed.kelp
-  kelp-view --view fit fox.kelp
+  kelp-view --view distances fox.kelp
   kelp-view --watch reed.glb --rig sway --resolution 256
   kelp-view --frames 1 reed.ppm --watch reed.glb    bakes, saves one picture and ends
 
@@ -96,7 +95,11 @@ std::optional<Arguments> parseArguments(int count, const char* const* words, std
     if (word == "--edit") {
       arguments.edit = true;
     } else if (word == "--view") {
-      const auto surface = i + 1 < count ? parseSurface(words[++i]) : std::nullopt;
+      const std::string_view value = i + 1 < count ? words[++i] : "";
+      if (value == "parts" || value == "fit")
+        return wrong = "--view " + std::string(value) + " is gone; see clips[].fit of kelp-bake --report",
+               std::nullopt;
+      const auto surface = parseSurface(value);
       if (!surface) return wrong = std::string("--view: give one of ") + kSurfaceNames, std::nullopt;
       arguments.surface = *surface;
     } else if (word == "--frames") {

@@ -55,7 +55,6 @@ Result<std::unique_ptr<Model>> Model::make(std::unique_ptr<Model> model, const S
   if (!pose) return pose.error();
   model->pose_ = *std::move(pose);
 
-  model->skin_ = skinOf(model->original());
   const Pack& pack = model->asset_->pack();
   model->weights_.assign(pack.clips().size(), 0.0f);
   for (const Part& part : pack.parts()) model->edits_.emplace_back(part.knots.size());

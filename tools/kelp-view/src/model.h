@@ -10,7 +10,6 @@
 #include <thread>
 #include <vector>
 
-#include "kelp/common/skin_info.h"
 #include "kelp/runtime/instance.h"
 #include "rerigged.h"
 #include "rig_sketch.h"
@@ -34,8 +33,6 @@ class Model {
   const runtime::Asset& asset() const { return *asset_; }
   // the pack with the rigs of the file
   const Pack& original() const { return original_ ? *original_ : asset_->pack(); }
-  // What the file says of the skin that its parts were made from, one entry for each part.
-  const std::vector<PartSkin>& skin() const { return skin_; }
   runtime::Instance instance() const { return {asset_.get(), &*pose_}; }
   bool loaded() const { return loaded_; }
   std::string loadError() const;  // empty: no error so far
@@ -46,7 +43,7 @@ class Model {
   // Takes the weights of another model's clips, by name.
   void takeWeights(std::span<const Clip> clips, const std::vector<float>& weights);
 
-  // Whether setRig() can play it: it has as many knots, and its parts hang at the same places and bend in the
+  // True if setRig() can play it: it has as many knots, and its parts hang at the same places and bend in the
   // same way.
   bool fits(const PackRig& rig) const;
   // Plays another rig from the next pose() on. kMisuse if it does not fit; use rerigged() then.
@@ -84,7 +81,6 @@ class Model {
   std::shared_ptr<const Pack> original_;  // if asset_ has rigs of its own
   std::unique_ptr<Rerigged> rerigged_;    // what asset_ reads then
   std::unique_ptr<runtime::Asset> asset_;
-  std::vector<PartSkin> skin_;
   std::optional<runtime::Pose> pose_;
   std::unique_ptr<RigSketch> sketch_;  // whose rig plays, if not asset_'s
   std::optional<runtime::Pose> sketch_pose_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What kelp-bake has noted in a pack about the bake.
+// Notes of kelp-bake in a pack.
 #pragma once
 
 #include <string_view>

@@ -20,7 +20,7 @@ struct PackRig {
   std::vector<RawSocket> sockets = {};
 };
 PackRig rigOf(const Pack& pack);
-// Whether they look the same: all numbers within 1/10000 of the part's height.
+// True if they look the same: all numbers within 1/10000 of the part's height.
 bool alike(const PackRig& a, const PackRig& b);
 
 // Artists write a rig in the axes of the file. A part may be turned in it.

@@ -52,7 +52,7 @@ std::string RigEditor::change(int part, const RigDescription& wanted) {
   State next{now_.rigs, {}};
   next.rigs[static_cast<std::size_t>(part)] = wanted;
   try {
-    // What the file could not hold is refused now: the words are those of the baker.
+    // A rig that the file could not hold is refused now, with the baker's words.
     (void)parseRig(printRig(wanted));
     next.realized = realize(next.rigs, axes_);
     prove(next.realized, sizes_);

@@ -41,7 +41,7 @@ class RigEditor {
   // Call it when the pack was baked again: unsaved changes are kept. False: the pack has other parts now, and
   // the changes are lost.
   bool follow(const Pack& pack);
-  // Whether the pack holds these rigs already.
+  // True if the pack holds these rigs already.
   bool isIn(const Pack& pack) const { return alike(now_.realized, rigOf(pack)); }
 
  private:

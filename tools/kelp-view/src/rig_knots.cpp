@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "sinusoid.h"
+#include "waves.h"
 
 namespace kelp::view {
 namespace {
@@ -55,7 +55,7 @@ void settleTangent(RigDescription::Clip& clip, const std::vector<Knot>& knots, s
   clip.waves.insert(clip.waves.end(), waves.begin(), waves.end());
 }
 
-// What the waves of knots `after` and `after` + 1 do half way between them, which is where `after` + 1 is
+// The waves of knots `after` and `after` + 1 as they are half way between them, which is where `after` + 1 is
 // now: a Hermite curve is linear in its ends.
 void shareWaves(RigDescription::Clip& clip, int after, float share) {
   std::map<float, std::pair<Sinusoid, Sinusoid>> middle;  // by period: place, tangent

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "surface.h"
 
-#include "kelp/common/part_colors.h"
-
 namespace kelp::view {
 
 const char* toString(Surface surface) {
-  constexpr const char* kNames[] = {"shaded", "normals", "levels", "steps", "distances", "parts", "fit"};
+  constexpr const char* kNames[] = {"shaded", "normals", "levels", "steps", "distances"};
   return kNames[static_cast<int>(surface)];
 }
 
@@ -32,17 +30,9 @@ const char* glslOf(Surface surface) {
   vec3 few = mix(vec3(0.01, 0.03, 0.20), vec3(0.75, 0.12, 0.25), min(2.0 * n, 1.0));
   return vec4(mix(few, vec3(1.0, 0.9, 0.4), max(2.0 * n - 1.0, 0.0)), 1.0);
 })";
-    case Surface::kParts:
-    case Surface::kFit:
-      return kPartSurface;
     default:
       return nullptr;
   }
-}
-
-Surface afterParts(Surface surface, bool fit_known) {
-  if (surface == Surface::kParts) return fit_known ? Surface::kFit : Surface::kShaded;
-  return surface == Surface::kFit ? Surface::kShaded : Surface::kParts;
 }
 
 }  // namespace kelp::view

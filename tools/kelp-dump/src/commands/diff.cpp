@@ -8,7 +8,6 @@
 #include <CLI/CLI.hpp>
 
 #include "commands/commands.h"
-#include "commands/options.h"
 #include "pack/pack_file.h"
 #include "text/text.h"
 
@@ -27,9 +26,6 @@ Exit runDiff(const DiffOptions& options) {
         Exit::kUsage,
         fmt::format("--tolerance {}: expected a share of the full range, 0 to 1; see kelp-dump diff --help",
                     options.tolerance));
-  if (options.a == "-" && options.b == "-")
-    throw ToolError(Exit::kUsage,
-                    "- and -: only one of the packs can be standard input; name a file for the other");
   PackFile a(options.a), b(options.b);
   const DiffReport report = compare(a, b, options.tolerance);
   print(json ? diffJson(report) : diffText(report));
@@ -48,9 +44,8 @@ Command addDiff(CLI::App& app) {
                  "  kelp-dump diff old.kelp new.kelp\n"
                  "  kelp-dump diff old.kelp new.kelp --tolerance 0.01    colours a step or two apart, "
                  "normals within 1.8 "
-                 "degrees\n"
-                 "  git show HEAD:reed.kelp | kelp-dump diff - reed.kelp --format json\n");
-  command->add_option("A", options->a, "a .kelp file; - reads standard input (at most 512 MiB)")->required();
+                 "degrees\n");
+  command->add_option("A", options->a, "a .kelp file")->required();
   command->add_option("B", options->b, "another")->required();
   command
       ->add_option(

@@ -13,10 +13,9 @@
 #include <CLI/CLI.hpp>
 
 #include "commands/commands.h"
-#include "commands/options.h"
 #include "kelp/common/error.h"
 #include "pack/pack_file.h"
-#include "text/check_output.h"
+#include "text/checks.h"
 
 namespace kelp::dump {
 namespace {
@@ -29,10 +28,8 @@ struct Format {
 };
 constexpr Format kFormats[] = {
     {"vox", "MagicaVoxel: colours by index, materials, one model a part", kVoxWriter},
-    {"ply", "a mesh of the visible voxel faces, in metres", kPlyWriter},
     {"proxy", "few triangles around each solid part, closed: an .obj, .ply, .stl or .off file, in metres",
      kProxyWriter},
-    {"slices", "a folder of PNGs, one for each layer of voxels", kSlicesWriter, true},
     {"npy", "a folder of NumPy arrays: occupancy, signed distance and its gradient of each solid part",
      kNpyWriter, true},
     {"vdb", "OpenVDB: solid parts as level sets with their colours, fog as densities", kVdbWriter},
@@ -60,9 +57,8 @@ const Format& formatOf(const CLI::App& command) {
   if (!wanted)
     throw ToolError(
         Exit::kUsage,
-        "extract: no format; name one with --vox, --vdb, --nvdb, --ply, --proxy, --npy or --slices, "
-        "see kelp-dump "
-        "extract --help");
+        "extract: no format; name one with --vox, --vdb, --nvdb, --proxy or --npy, see kelp-dump extract "
+        "--help");
   if (!wanted->writer.write && !wanted->writer.handOver)
     throw ToolError(
         Exit::kUnsupported,
@@ -99,9 +95,10 @@ Exit runExtract(const CLI::App& command, const ExtractOptions& options) {
   const std::string& output = options.outputs.at(format.name);
   if (command.count("--error") > 0 && &writer != &kProxyWriter)
     throw ToolError(Exit::kUsage, "--error: is for --proxy only; leave it out");
-  if (!(options.error > 0 && std::isfinite(options.error)))
-    throw ToolError(Exit::kUsage, fmt::format("--error {}: expected a number of voxels above 0, such as 1.5",
-                                              options.error));
+  if (!(options.error >= 1 && std::isfinite(options.error)))
+    throw ToolError(
+        Exit::kUsage,
+        fmt::format("--error {}: expected a number of voxels from 1 on, such as 1.5", options.error));
   if (output == "-" && !writer.shown_as)
     throw ToolError(Exit::kUsage, fmt::format("--{} -: cannot be written to standard output; name a {}",
                                               format.name, format.into_folder ? "folder" : "file"));
@@ -133,7 +130,7 @@ Command addExtract(CLI::App& app) {
   CLI::App* const command =
       addCommand(app, "extract", "Write the voxels of a pack in another program's format",
                  "  kelp-dump extract reed.kelp --vox reed.vox\n"
-                 "  kelp-dump extract reed.kelp --ply - --level 2 > reed.ply\n"
+                 "  kelp-dump extract reed.kelp --vox - --level 2 > reed.vox\n"
                  "  kelp-dump extract smoke.kelp --vdb smoke.vdb\n"
                  "  kelp-dump extract reed.kelp --npy arrays\n"
                  "  kelp-dump extract reed.kelp --proxy reed.obj --error 2\n");

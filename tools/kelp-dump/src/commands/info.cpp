@@ -5,8 +5,6 @@
 #include <CLI/CLI.hpp>
 
 #include "commands/commands.h"
-#include "commands/options.h"
-#include "info/info_json.h"
 #include "info/summary.h"
 #include "pack/pack_file.h"
 #include "text/text.h"

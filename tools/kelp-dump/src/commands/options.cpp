@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "commands/options.h"
+#include "commands/commands.h"
 
 #include <CLI/CLI.hpp>
 
@@ -18,7 +18,7 @@ CLI::App* addCommand(CLI::App& app, const char* name, const char* what, const st
 }
 
 void addPack(CLI::App* command, std::string& path) {
-  command->add_option("PACK", path, "the .kelp file; - reads standard input (at most 512 MiB)")->required();
+  command->add_option("PACK", path, "the .kelp file")->required();
 }
 
 void addFormat(CLI::App* command, std::string& format) {

@@ -1,27 +1,78 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/rig/rig.h"
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "commands/commands.h"
-#include "commands/options.h"
 #include "kelp/rig/raw_clips.h"
 #include "pack/pack_file.h"
-#include "pack/part_axis.h"
-#include "rig/set_rig.h"
-#include "rig/skin_rig.h"
+#include "text/json.h"
 #include "text/text.h"
 
 namespace kelp::dump {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
+// The rig that divides a skin as the pack's parts do, by what INFO says of them.
+struct SkinRig {
+  std::optional<RigDescription> rig;
+  std::string problem;  // why there is none although INFO speaks of a skin
+};
+
+// A part's entry in INFO. Empty if it cannot be read.
+std::optional<RigDescription::SkinGroup> groupOf(const Json& part) {
+  if (!part.is_object() || !part.contains("joints") || !part.at("joints").is_array()) return std::nullopt;
+  RigDescription::SkinGroup group;
+  for (const Json& joint : part.at("joints")) {
+    if (!joint.is_string()) return std::nullopt;
+    group.joints.push_back(joint.get<std::string>());
+  }
+  if (!part.contains("knots")) return group;
+  const Json& knots = part.at("knots");
+  if (!knots.is_number_integer() || knots < kMinSkinKnots || knots > kMaxSkinKnots) return std::nullopt;
+  group.knots = knots.get<int>();
+  return group;
+}
+
+// `parts`: how many the pack has. Safe for hostile input: parseRig() accepts the rig as printRig() writes it.
+SkinRig skinRig(std::string_view info, std::size_t parts) {
+  const std::optional<Json> json = parseSafely(info);
+  if (!json || !json->is_object() || !json->contains("skin")) return {};
+  const Json& skin = json->at("skin");
+  if (!skin.is_object() || !skin.contains("parts") || !skin.at("parts").is_array())
+    return {std::nullopt, "it lists no parts"};
+  if (skin.at("parts").size() != parts) return {std::nullopt, "it has another number of parts"};
+  RigDescription rig;
+  std::map<std::vector<std::string>, std::size_t> entries;  // of rigid parts
+  for (const Json& part : skin.at("parts")) {
+    const std::optional<RigDescription::SkinGroup> group = groupOf(part);
+    if (!group) return {std::nullopt, "a part has no joints, or knots that no rig has"};
+    if (group->knots == 0) {
+      const auto [at, fresh] = entries.emplace(group->joints, rig.skin.size());
+      if (!fresh) {
+        ++rig.skin[at->second].pieces;
+        continue;
+      }
+    }
+    rig.skin.push_back(*group);
+  }
+  try {
+    return {parseRig(printRig(rig)), ""};
+  } catch (const RigError& error) {
+    return {std::nullopt, error.what()};
+  }
+}
+
 struct RigOptions {
-  std::string path, part, axis, new_rig, output;
+  std::string path, part, axis;
 };
 
 // The rig that divides the pack's skin, if it has one and no part is asked for; else that of a part.
@@ -35,7 +86,7 @@ Exit printOneRig(const RigOptions& options, const std::optional<Axis>& axis) {
       return Exit::kOk;
     }
     if (!skin.problem.empty())
-      say("{}: what its INFO says of a skin cannot be used ({}): this is the rig of its first part",
+      say("{}: its INFO describes a skin that cannot be used ({}): this is the rig of its first part",
           file.path(), skin.problem);
   }
   const std::uint32_t index = file.partOrFirst(options.part);
@@ -50,18 +101,11 @@ Exit printOneRig(const RigOptions& options, const std::optional<Axis>& axis) {
   return Exit::kOk;
 }
 
-Exit runRig(const CLI::App& command, const RigOptions& options) {
+Exit runRig(const RigOptions& options) {
   const std::optional<Axis> axis = parseAxis(options.axis);
   if (!options.axis.empty() && !axis)
     throw ToolError(Exit::kUsage,
                     fmt::format("--axis {}: expected +x, -x, +y, -y, +z or -z", nameText(options.axis, 40)));
-  if (command.count("--set") > 0)
-    return setRig({options.path, options.part, options.new_rig, axis, options.output});
-  if (command.count("-o") > 0)
-    throw ToolError(
-        Exit::kUsage,
-        "-o: only goes with --set; without it the rig is printed to standard output, see kelp-dump "
-        "rig --help");
   return printOneRig(options, axis);
 }
 
@@ -69,36 +113,18 @@ Exit runRig(const CLI::App& command, const RigOptions& options) {
 
 Command addRig(CLI::App& app) {
   const auto options = std::make_shared<RigOptions>();
-  CLI::App* const command = addCommand(
-      app, "rig",
-      "Print the rig and clips of a part as rig JSON, or replace them; of a skin, how it is divided",
-      "  kelp-dump rig reed.kelp > reed.rig.json\n"
-      "  kelp-dump rig reed.kelp --set reed.rig.json           replaces reed.kelp, whole, once "
-      "the new pack is on "
-      "the disk\n"
-      "  kelp-dump rig fish.kelp --part tail --set swim -o swimming.kelp\n"
-      "  kelp-dump rig fox.kelp > fox.rig.json                 of a skin: which joints make which "
-      "parts, for kelp-bake\n"
-      "\n"
-      "--set takes and refuses the same rigs as kelp-bake --rig. Voxels stay as they are, so the "
-      "rig must bend "
-      "along the axis that the part was baked along.\n");
+  CLI::App* const command =
+      addCommand(app, "rig", "Print the rig and clips of a part as rig JSON; of a skin, how it is divided",
+                 "  kelp-dump rig reed.kelp > reed.rig.json\n"
+                 "  kelp-dump rig fox.kelp > fox.rig.json      of a skin: which joints make which parts, for "
+                 "kelp-bake\n");
   addPack(command, options->path);
   addPart(command, options->part, "of a skin, all; else the first");
   command
       ->add_option("--axis", options->axis,
-                   "where the spline runs in the file that the rig is for; vectors are in that file's axes. "
-                   "With --set: the axis of a preset, or of a rig that names none")
-      ->option_text("+x|-x|+y|-y|+z|-z [as baked; with --set, as kelp-bake]");
-  command
-      ->add_option("--set", options->new_rig,
-                   "give the part this rig; its clips replace those that move the part")
-      ->option_text("FILE|none|sway|swim");
-  command
-      ->add_option("-o,--output", options->output,
-                   "with --set: where to write the pack; - is standard output")
-      ->option_text("OUT [PACK itself]");
-  return {command, [command, options] { return runRig(*command, *options); }};
+                   "where the spline runs in the file that the rig is for; vectors are in that file's axes")
+      ->option_text("+x|-x|+y|-y|+z|-z [as baked]");
+  return {command, [options] { return runRig(*options); }};
 }
 
 }  // namespace kelp::dump

@@ -6,8 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "commands/commands.h"
-#include "commands/options.h"
-#include "commands/schemas.h"
 #include "text/text.h"
 
 namespace kelp::dump {

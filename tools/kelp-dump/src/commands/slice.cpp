@@ -6,10 +6,9 @@
 #include <CLI/CLI.hpp>
 
 #include "commands/commands.h"
-#include "commands/options.h"
 #include "pack/pack_file.h"
 #include "slice/write_slice.h"
-#include "text/check_output.h"
+#include "text/checks.h"
 #include "text/text.h"
 
 namespace kelp::dump {

@@ -7,14 +7,12 @@
 #include <CLI/CLI.hpp>
 
 #include "commands/commands.h"
-#include "commands/options.h"
 #include "kelp/common/pack_error.h"
 #include "kelp/common/parallel.h"
 #include "pack/pack_file.h"
 #include "text/text.h"
-#include "verify/deep_check.h"
+#include "verify/deep_level.h"
 #include "verify/finding.h"
-#include "verify/verify_output.h"
 
 namespace kelp::dump {
 namespace {
@@ -84,8 +82,7 @@ Command addVerify(CLI::App& app) {
   CLI::App* const command =
       addCommand(app, "verify", "Check structure and checksums; list everything that is wrong",
                  "  kelp-dump verify reed.kelp\n"
-                 "  kelp-dump verify reed.kelp --deep --format json\n"
-                 "  ssh farm cat reed.kelp | kelp-dump verify -\n");
+                 "  kelp-dump verify reed.kelp --deep --format json\n");
   addPack(command, options->path);
   command->add_flag("--deep", options->deep,
                     "also recompute clearances, levels, surface and distances from the voxels, and compare");

@@ -10,7 +10,7 @@
 
 #include "diff/diff.h"
 #include "kelp/rig/rig.h"
-#include "text/safe_json.h"
+#include "text/json.h"
 #include "text/text.h"
 
 namespace kelp::dump {
@@ -186,8 +186,8 @@ class PartDiff {
   std::vector<Difference>& out_;
 };
 
-// What a wave or track moves: part, knot, target. Parts have A's numbers; parts that A lacks come after all
-// others.
+// The target of a wave or track: part, knot, target. Parts have A's numbers; parts that A lacks come after
+// all others.
 using Moved = std::tuple<std::uint32_t, std::uint32_t, int>;
 std::uint32_t partInA(std::uint32_t part, const PartPairs* pairs) {
   if (!pairs) return part;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostLines = 40;
 
-// Whether it is listed under the heading of its part.
+// True if it is listed under the heading of its part.
 bool ofPart(const Difference& d) {
   return d.kind != "info" && d.kind != "palette" && d.kind != "part" && d.kind != "clip" &&
          d.kind != "motion" && d.kind != "socket";
@@ -34,15 +34,15 @@ std::string diffText(const DiffReport& report) {
         static_cast<std::uint64_t>(std::count_if(report.differences.begin(), report.differences.end(),
                                                  [](const Difference& d) { return d.kind == "info"; }));
     text =
-        fmt::format("A is {}, B is {}: {}{}{}\n", bold(nameText(report.a, 4096)),
-                    bold(nameText(report.b, 4096)), plural(report.differences.size() - made, "difference"),
+        fmt::format("A is {}, B is {}: {}{}{}\n", nameText(report.a, 4096), nameText(report.b, 4096),
+                    plural(report.differences.size() - made, "difference"),
                     report.tolerance > 0 ? " not" + within : "", made > 0 ? ", and how they were made" : "");
   }
   const std::string* part = nullptr;
   std::size_t said = 0;
   for (; said < report.differences.size() && said < kMostLines; ++said) {
     const Difference& d = report.differences[said];
-    if (ofPart(d) && (!part || *part != d.name)) text += fmt::format("  part '{}'\n", bold(nameText(d.name)));
+    if (ofPart(d) && (!part || *part != d.name)) text += fmt::format("  part '{}'\n", nameText(d.name));
     part = ofPart(d) ? &d.name : nullptr;
     text += (ofPart(d) ? "    " : "  ") + d.text + "\n";
   }

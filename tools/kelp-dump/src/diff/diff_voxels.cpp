@@ -72,7 +72,7 @@ class LevelDiff {
         compare(voxelAt(a.grid, c) * kBrickSide, nullptr, nullptr, inside_a, inside_b);
     }
   }
-  // Whether equal palette indices mean equal colours.
+  // True if equal palette indices mean equal colors.
   void setIdentical(bool identical) { identical_ = identical; }
 
  private:

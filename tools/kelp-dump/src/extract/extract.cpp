@@ -10,7 +10,7 @@
 #include "kelp/common/output_file.h"
 #include "kelp/common/srgb.h"
 #include "kelp/rig/rig.h"
-#include "pack/part_axis.h"
+#include "pack/pack_file.h"
 #include "text/text.h"
 
 namespace kelp::dump {
@@ -86,14 +86,13 @@ std::vector<std::uint32_t> solidParts(const ExtractRequest& request, const char*
   }
   if (solid.empty())
     throw ToolError(Exit::kUnsupported,
-                    fmt::format("{}: {} is fog, which {} cannot hold; use --vdb, --nvdb or --slices",
+                    fmt::format("{}: {} is fog, which {} cannot hold; use --vdb or --nvdb",
                                 request.file.path(), fog, format));
   if (!fog.empty()) note(request, fmt::format("{} left out: {} cannot hold fog", fog, format));
   return solid;
 }
 
-std::string partFileName(std::string_view name, std::uint32_t index, const char* suffix,
-                         std::set<std::string>& taken) {
+std::string partFileName(std::string_view name, std::uint32_t index, std::set<std::string>& taken) {
   std::string safe;
   for (const char c : name.substr(0, 100)) {
     const auto byte = static_cast<unsigned char>(c);
@@ -103,10 +102,8 @@ std::string partFileName(std::string_view name, std::uint32_t index, const char*
     safe += plain ? c : '_';
   }
   if (safe.empty()) safe = "part";
-  // The longer name may be taken too.
-  while (taken.contains(safe) || (suffix && taken.contains(safe + suffix))) safe += fmt::format("_{}", index);
+  while (taken.contains(safe)) safe += fmt::format("_{}", index);  // that name may be taken too
   taken.insert(safe);
-  if (suffix) taken.insert(safe + suffix);
   return safe;
 }
 

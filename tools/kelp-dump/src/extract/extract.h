@@ -46,36 +46,28 @@ std::vector<std::uint32_t> solidParts(const ExtractRequest& request, const char*
 std::filesystem::path makeFolder(const std::string& output, const char* what);
 
 // A file name for a part: without characters that are special to a shell or a file system, and unlike all
-// names in `taken`, also with `suffix` appended if there is one.
-std::string partFileName(std::string_view name, std::uint32_t index, const char* suffix,
-                         std::set<std::string>& taken);
+// names in `taken`.
+std::string partFileName(std::string_view name, std::uint32_t index, std::set<std::string>& taken);
 
-// What writes a format. Several sources define each writer; the build takes the one that fits what is
-// installed: extract_vdb.cpp, vdb_program.cpp or without_vdb.cpp; extract_slices.cpp or without_png.cpp;
-// extract_proxy.cpp or without_openmesh.cpp.
+// Writes a format. not_built.cpp defines the writers of libraries that are not installed.
 struct Writer {
-  // The libraries that this build lacks. Empty if it can write the format.
+  // Libraries that this build lacks. Empty if it can write the format.
   const char* needs = "";
-  // What goes to standard output ("a binary PLY"). Null: it is written to files only.
+  // Names it in messages when it goes to standard output ("a .vox file"). Null: it is written to files only.
   const char* shown_as = nullptr;
   void (*write)(const ExtractRequest&) = nullptr;
   // In place of `write`: another program does the work. Does not return.
   void (*handOver)(std::vector<std::string> arguments) = nullptr;
-  // Whether that program is installed.
+  // True if that program is installed.
   bool (*isThere)() = nullptr;
 };
-extern const Writer kVoxWriter, kPlyWriter, kProxyWriter, kSlicesWriter, kNpyWriter, kVdbWriter,
-    kNanoVdbWriter;
+extern const Writer kVoxWriter, kProxyWriter, kNpyWriter, kVdbWriter, kNanoVdbWriter;
 
 // MagicaVoxel, version 200, z up. Each part is one model, or several of 256 voxels a side. The scene graph
 // places them.
 void extractVox(const ExtractRequest& request);
-// Binary PLY: the faces between solid and empty voxels as quads, in the object's space, metres.
-void extractPly(const ExtractRequest& request);
 // Closed, decimated surfaces in the object's space, metres: a file for each part.
 void extractProxy(const ExtractRequest& request);
-// A folder of PNGs, one for each layer across the spline.
-void extractSlices(const ExtractRequest& request);
 // A folder of NumPy arrays, three for each solid part: PART.occupancy.npy (uint8, axes z, y, x),
 // PART.distance.npy (float32, voxels, negative inside, infinite beyond the band) and PART.gradient.npy
 // (float32, a fourth axis of x, y, z).

@@ -84,7 +84,7 @@ void extractNpy(const ExtractRequest& request) {
          "makes them");
   std::set<std::string> taken;
   for (const std::uint32_t part : parts) {
-    const fs::path stem = folder / partFileName(request.part(part).name, part, nullptr, taken);
+    const fs::path stem = folder / partFileName(request.part(part).name, part, taken);
     const int levels = request.part(part).levels;
     const int level = std::min(
         request.level, std::max(levels, request.file.pack().distanceLevels(static_cast<int>(part))) - 1);

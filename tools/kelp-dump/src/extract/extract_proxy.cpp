@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Decimated surfaces. A file for each part, since parts move by themselves.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
-#include <limits>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -16,9 +14,10 @@
 #include "extract/extract.h"
 #include "kelp/common/console.h"
 #include "kelp/common/output_file.h"
-#include "proxy/decimate.h"
-#include "proxy/encode_mesh.h"
-#include "text/memory_check.h"
+#include "proxy/mesh_distance.h"
+#include "proxy/proxy_mesh.h"
+#include "proxy/voxel_faces.h"
+#include "text/checks.h"
 #include "text/text.h"
 
 namespace kelp::dump {
@@ -27,13 +26,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExtensions[] = {".obj", ".ply", ".stl", ".off"};
-// A face is two triangles with all that is kept of them while they are decimated (measured: 560 bytes).
-constexpr std::uint64_t kBytesOfFace = 600;
-// A face that several triangles cover can lose one of them, so decimate() may end a bit too far away.
-constexpr int kAttempts = 5;
-
-// Below it nearly every triangle stays, and finding the others takes hours.
-constexpr double kLeastError = 0.1;
+// A face of a voxel makes two triangles, with all that OpenMesh keeps of them (measured: 900 bytes).
+constexpr std::uint64_t kBytesOfFace = 1000;
+constexpr double kTolerance = 0.01;  // voxels by which a measured distance may be too large
+constexpr int kAttempts = 6;
+constexpr double kMostSmoothing = 0.4;  // voxels
+constexpr double kCorner = 0.58;        // voxels that surfaceOf() cuts off a corner
 
 std::string extensionOf(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -46,77 +44,55 @@ std::string extensionOf(const fs::path& path) {
   return extension;
 }
 
-// As the file has them: in metres, as floats.
-std::vector<glm::vec3> pointsOfFile(const ProxyMesh& proxy, const glm::dmat4x3& to_object) {
-  std::vector<glm::vec3> points;
-  for (const glm::dvec3& point : proxy.points) points.emplace_back(to_object * glm::dvec4(point, 1));
-  return points;
-}
-
-// The proxy with the points of the file.
-ProxyMesh asFile(const ProxyMesh& proxy, const std::vector<glm::vec3>& points,
-                 const glm::dmat4x3& to_object) {
-  ProxyMesh written{{}, proxy.triangles};
-  const glm::dmat3 back = glm::inverse(glm::dmat3(to_object));
-  for (const glm::vec3& point : points) written.points.push_back(back * (glm::dvec3(point) - to_object[3]));
-  return written;
-}
-
-// STL has no indices: two vertices in one place would be one.
-bool allApart(const std::vector<glm::vec3>& points) {
+// Two vertices in one place would be one in STL, which has no indices. A part thinner than the error can turn
+// inside out.
+bool isSound(const ProxyMesh& mesh) {
   std::set<std::tuple<float, float, float>> places;
-  return std::all_of(points.begin(), points.end(),
-                     [&](const glm::vec3& p) { return places.emplace(p.x, p.y, p.z).second; });
-}
-
-struct Proxy {
-  std::vector<glm::vec3> points;  // as in the file
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  double out = 0, in = 0;  // voxels from the voxels' surface, and that from it
-
-  double apart() const { return std::max(out, in); }
-};
-
-Proxy measured(const ProxyMesh& mesh, const SurfaceDistance& distance, const glm::dmat4x3& to_object,
-               double error) {
-  Proxy proxy{pointsOfFile(mesh, to_object), mesh.triangles};
-  const ProxyMesh written = asFile(mesh, proxy.points, to_object);
-  // Far from the origin floats are too coarse; there is nothing to measure.
-  for (std::size_t i = 0; i < mesh.points.size(); ++i)
-    if (!(glm::distance(mesh.points[i], written.points[i]) <= error / 4)) {
-      proxy.out = proxy.in = std::numeric_limits<double>::infinity();
-      return proxy;
-    }
-  proxy.out = distance.fromMesh(written, error);
-  proxy.in = distance.toMesh(written, error);
-  if (glm::determinant(glm::dmat3(to_object)) < 0)  // mirrored
-    for (auto& [a, b, c] : proxy.triangles) std::swap(b, c);
-  return proxy;
-}
-
-// What is thinner than the error can turn inside out while it is decimated.
-bool facesOutward(const ProxyMesh& mesh) {
+  for (const auto vertex : mesh.vertices())
+    if (const auto& p = mesh.point(vertex); !places.emplace(p[0], p[1], p[2]).second) return false;
   double volume = 0;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Triangle t = mesh.triangle(i);
-    volume += glm::dot(t.a, glm::cross(t.b, t.c));
-  }
+  for (const Triangle& t : trianglesOf(mesh)) volume += glm::dot(t.a, glm::cross(t.b, t.c));
   return volume > 0;
 }
 
-// Nothing if the numbers of a file are too coarse: the surface as it is, without decimation, is near enough
-// in all other cases.
-std::optional<Proxy> proxyWithin(double error, const VoxelSurface& surface,
-                                 const std::vector<VoxelFace>& faces, const SurfaceDistance& distance,
-                                 const glm::dmat4x3& to_object) {
-  double most = error - SurfaceDistance::tolerance(error);
-  for (int attempt = error < kLeastError ? kAttempts : 0; attempt <= kAttempts; ++attempt) {
-    const ProxyMesh mesh = attempt == kAttempts ? ProxyMesh{surface.place, surface.triangles}
-                                                : decimate(surface, faces, distance, most);
-    const Proxy proxy = measured(mesh, distance, to_object, error);
-    if (proxy.apart() <= error && allApart(proxy.points) && facesOutward(mesh)) return proxy;
-    most *= 0.998 * std::min(1.0, error / proxy.apart());
-    if (!std::isfinite(proxy.apart())) break;
+struct Proxy {
+  ProxyMesh mesh;          // as in the file
+  double out = 0, in = 0;  // voxels from the voxels' surface, and that from it
+};
+
+// Empty if the numbers of a file are too coarse for the part's place.
+std::optional<Proxy> proxyWithin(double error, const LevelVoxels& level) {
+  std::vector<Triangle> faces;
+  eachFace(level, [&](const glm::ivec3& voxel, const VoxelFace& face) {
+    glm::dvec3 corner[4];
+    for (std::size_t i = 0; i < 4; ++i) corner[i] = voxel + face.corners[i];
+    faces.push_back({corner[0], corner[1], corner[2]});
+    faces.push_back({corner[0], corner[2], corner[3]});
+  });
+  const TriangleTree tree(std::move(faces));
+  const ProxyMesh surface = surfaceOf(level);
+  const glm::dmat4x3 to_object = level.toObject(), to_voxels(glm::inverse(glm::dmat4(to_object)));
+  const double smoothing = std::min(kMostSmoothing, error / 6);
+  double most = error - kCorner - smoothing;
+  for (int attempt = 1; attempt <= kAttempts; ++attempt) {
+    Proxy proxy{surface};
+    if (attempt < kAttempts) {
+      smooth(proxy.mesh, smoothing);
+      decimate(proxy.mesh, most);
+    }
+    const std::vector<Triangle> exact = trianglesOf(proxy.mesh);
+    proxy.mesh = mapped(proxy.mesh, to_object);
+    std::vector<Triangle> triangles = trianglesOf(proxy.mesh);
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      Triangle& t = triangles[i];
+      for (glm::dvec3* const p : {&t.a, &t.b, &t.c}) *p = to_voxels * glm::dvec4(*p, 1);
+      if (!(glm::distance(t.a, exact[i].a) <= error / 4)) return std::nullopt;
+    }
+    proxy.out = largestDistance(triangles, tree, kTolerance);
+    proxy.in = largestDistance(tree.triangles(), TriangleTree(triangles), kTolerance);
+    const double apart = std::max(proxy.out, proxy.in);
+    if (apart <= error && isSound(proxy.mesh)) return proxy;
+    most *= 0.7;
   }
   return std::nullopt;
 }
@@ -130,13 +106,12 @@ struct PartFile {
 std::string proxyOf(const ExtractRequest& request, std::uint32_t part, const std::string& extension) {
   const LevelVoxels level = request.read(part);
   const std::string name = fmt::format("part {} '{}'", part, nameText(request.part(part).name, 40));
-  const std::vector<VoxelFace> faces = facesOf(level);
-  if (faces.empty()) return {};
-  requireMemory(kBytesOfFace * faces.size(), fmt::format("{}: the proxy of {}", request.file.path(), name),
+  std::uint64_t faces = 0;
+  eachFace(level, [&](const glm::ivec3&, const VoxelFace&) { ++faces; });
+  if (faces == 0) return {};
+  requireMemory(kBytesOfFace * faces, fmt::format("{}: the proxy of {}", request.file.path(), name),
                 "extract a coarser --level, or use a larger machine");
-  const SurfaceDistance distance(level, faces);
-  const VoxelSurface surface = surfaceOf(level, faces, request.error / 2);
-  const std::optional<Proxy> proxy = proxyWithin(request.error, surface, faces, distance, level.toObject());
+  const std::optional<Proxy> proxy = proxyWithin(request.error, level);
   if (!proxy)
     throw ToolError(Exit::kUnsupported,
                     fmt::format("{}: the coordinates of {} are too far from the origin, or its voxels too "
@@ -147,8 +122,8 @@ std::string proxyOf(const ExtractRequest& request, std::uint32_t part, const std
        fmt::format(
            "{}: {} triangles for {}; at most {:.3f} voxels from the voxels' surface, no point of which "
            "is more than {:.3f} from them",
-           name, countText(proxy->triangles.size()), countText(2 * faces.size()), proxy->out, proxy->in));
-  return encodeMesh(proxy->points, proxy->triangles, extension);
+           name, countText(proxy->mesh.n_faces()), countText(2 * faces), proxy->out, proxy->in));
+  return encodeMesh(proxy->mesh, extension);
 }
 
 }  // namespace
@@ -162,9 +137,9 @@ void extractProxy(const ExtractRequest& request) {
   for (const std::uint32_t part : parts) {
     fs::path path = output;
     if (parts.size() > 1)
-      path.replace_extension("." + partFileName(request.part(part).name, part, nullptr, taken) +
+      path.replace_extension("." + partFileName(request.part(part).name, part, taken) +
                              output.extension().string());
-    if (request.file.path() != "-") checkNotOverwritten(path, console::pathOf(request.file.path()));
+    checkNotOverwritten(path, console::pathOf(request.file.path()));
     checkOutput(path);
     files.push_back({path, {}});
   }

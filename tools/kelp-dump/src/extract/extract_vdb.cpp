@@ -3,6 +3,9 @@
 #include "kelp/common/console.h"
 #include "kelp/common/output_file.h"
 
+#include <nanovdb/util/IO.h>
+#include <nanovdb/util/OpenToNanoVDB.h>
+
 namespace kelp::dump {
 namespace {
 
@@ -26,6 +29,21 @@ void extractVdb(const ExtractRequest& request) {
   });
 }
 
+void extractNvdb(const ExtractRequest& request) {
+  withOpenVdb(request, [&] {
+    std::vector<nanovdb::GridHandle<nanovdb::HostBuffer>> handles;
+    for (const openvdb::GridBase::Ptr& grid : vdbGrids(request))
+      handles.push_back(nanovdb::openToNanoVDB(grid));
+    OutputFile out(console::pathOf(request.output));
+    out.writeBy([&](std::ostream& stream) {
+      nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(stream, handles);
+    });
+    out.commit();
+    noteRigs(request, request.parts, glm::dmat3(1));
+  });
+}
+
 constinit const Writer kVdbWriter{.write = extractVdb};
+constinit const Writer kNanoVdbWriter{.write = extractNvdb};
 
 }  // namespace kelp::dump

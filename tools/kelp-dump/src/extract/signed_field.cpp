@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "text/memory_check.h"
+#include "text/checks.h"
 #include "text/text.h"
 
 namespace kelp::dump {

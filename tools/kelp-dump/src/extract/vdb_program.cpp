@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: MIT
 // OpenVDB and its libraries take longer to load than most packs to verify. So they are in a program of their
 // own: kelp-dump-vdb, which is kelp-dump with OpenVDB.
+#include "extract/extract.h"
+
+#ifdef _WIN32
+namespace kelp::dump {
+
+constinit const Writer kVdbWriter{.needs = "OpenVDB"};
+constinit const Writer kNanoVdbWriter{.needs = "OpenVDB and NanoVDB"};
+
+}  // namespace kelp::dump
+#else
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
 
 #include <unistd.h>
 
-#include "extract/extract.h"
 #include "kelp/common/error.h"
 
 namespace kelp::dump {
@@ -55,3 +64,4 @@ constinit const Writer kVdbWriter{.handOver = becomeVdbProgram, .isThere = isThe
 constinit const Writer kNanoVdbWriter{.handOver = becomeVdbProgram, .isThere = isThere};
 
 }  // namespace kelp::dump
+#endif

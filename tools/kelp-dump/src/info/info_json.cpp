@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "info/info_json.h"
+#include "info/summary.h"
 
 #include <set>
 
 #include "kelp/rig/rig.h"
 #include "text/json.h"
-#include "text/safe_json.h"
 #include "text/text.h"
 
 namespace kelp::dump {

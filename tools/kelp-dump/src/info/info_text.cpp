@@ -5,16 +5,39 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "info/info_document.h"
 #include "info/summary.h"
 #include "kelp/rig/rig.h"
+#include "text/json.h"
 #include "text/text.h"
 
 namespace kelp::dump {
 namespace {
+
+std::string valueText(const nlohmann::ordered_json& value) {
+  if (value.is_string()) return nameText(value.get_ref<const std::string&>());
+  if (!value.is_object())
+    return nameText(value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  std::string text;
+  for (const auto& [key, member] : value.items())
+    text += (text.empty() ? "" : ", ") + nameText(key) + " " + valueText(member);
+  return text;
+}
+
+// One line for each member of INFO: "source" and "name reed.glb, format glTF 2.0". INFO should be a JSON
+// object, but need not be: safe for hostile input.
+std::vector<std::pair<std::string, std::string>> infoLines(std::string_view document) {
+  std::vector<std::pair<std::string, std::string>> lines;
+  const auto json = parseSafely(document);
+  if (!json || !json->is_object()) return lines;
+  for (const auto& [key, value] : json->items())
+    lines.emplace_back(nameText(key), nameText(valueText(value), 400));
+  return lines;
+}
 
 constexpr std::size_t kMostLines = 6, kMostParts = 8, kMostClips = 6, kMostColours = 6, kMostChunks = 16;
 // With more parts: one line a part, and the sums of their levels.
@@ -25,9 +48,9 @@ double share(std::uint64_t some, std::uint64_t all) {
 }
 double percent(std::uint64_t some, std::uint64_t all) { return 100 * share(some, all); }
 
-// "  31.2 % ######".
+// "   31.20 %".
 std::string shareText(std::uint64_t some, std::uint64_t all) {
-  return fmt::format("{:>8.2f} %  {}", percent(some, all), faint(bar(share(some, all))));
+  return fmt::format("{:>8.2f} %", percent(some, all));
 }
 
 std::string more(std::size_t total, std::size_t shown, const char* what) {
@@ -40,8 +63,8 @@ const char* kindText(const Part& part) {
 }
 
 std::string fogText(const Fog& fog) {
-  std::string text = fmt::format("    fog of {}{}, anisotropy {:.3g}", swatch({fog.color, 1}),
-                                 hexColour({fog.color, 1}), fog.anisotropy);
+  std::string text =
+      fmt::format("    fog of {}, anisotropy {:.3g}", hexColour({fog.color, 1}), fog.anisotropy);
   if (fog.ramp.empty()) return text + "; no heat\n";
   return text + fmt::format("; glow {:.4g} in {} from {:.3g} {:.3g} {:.3g} to {:.3g} {:.3g} {:.3g}\n",
                             fog.glow, plural(fog.ramp.size(), "colour"), fog.ramp.front().r,
@@ -94,8 +117,8 @@ std::string partText(const Summary& summary, std::size_t index) {
   const PartSummary& p = summary.parts[index];
   const Part& part = *p.part;
   std::string text =
-      fmt::format("  {} {}{}: {} voxels of {} ({} x {} x {})", index, bold(nameText(part.name)),
-                  kindText(part), sizeText(part.size), voxelText(p), metresText(p.voxel.x * part.size.x),
+      fmt::format("  {} {}{}: {} voxels of {} ({} x {} x {})", index, nameText(part.name), kindText(part),
+                  sizeText(part.size), voxelText(p), metresText(p.voxel.x * part.size.x),
                   metresText(p.voxel.y * part.size.y), metresText(p.voxel.z * part.size.z));
   text += fmt::format("; {} knots at", part.knots.size());
   for (std::size_t k = 0; k < part.knots.size() && k < 8; ++k)
@@ -135,10 +158,10 @@ std::string partsTable(const Summary& summary) {
       sum.stored += level.stored;
       if (level.counted) sum.solid += level.counted->solid, sum.surface += level.counted->surface;
     }
-  text += fmt::format("{}\n  {:<7}{:>7}{:>14}{:>10}", bold("levels of all parts"), "level", "parts", "cells",
-                      "pages") +
-          (summary.counted ? fmt::format("{:>14}{:>13}", "solid", "surface") : "") +
-          fmt::format("{:>12}{:>10}\n", "stored", "of file");
+  text +=
+      fmt::format("{}\n  {:<7}{:>7}{:>14}{:>10}", "levels of all parts", "level", "parts", "cells", "pages") +
+      (summary.counted ? fmt::format("{:>14}{:>13}", "solid", "surface") : "") +
+      fmt::format("{:>12}{:>10}\n", "stored", "of file");
   for (const auto& [l, sum] : levels)
     text +=
         fmt::format("  {:<7}{:>7}{:>14}{:>10}", l, sum.parts, countText(sum.cells), countText(sum.pages)) +
@@ -171,12 +194,12 @@ std::string paletteText(const Summary& summary) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return summary.palette_use[a] > summary.palette_use[b];
   });
-  std::string text = fmt::format("{} ({}{})\n", bold("palette"), plural(palette.size(), "colour"),
+  std::string text = fmt::format("{} ({}{})\n", "palette", plural(palette.size(), "colour"),
                                  summary.counted ? ", by their share of the surface" : "");
   for (std::size_t i = 0; i < order.size() && i < kMostColours; ++i) {
     const Material& m = palette[order[i]];
-    text += fmt::format("  {:<4}{}{}  roughness {:.2f}  metallic {:.2f}", order[i], swatch(m.base_color),
-                        hexColour(m.base_color), m.roughness, m.metallic);
+    text += fmt::format("  {:<4}{}  roughness {:.2f}  metallic {:.2f}", order[i], hexColour(m.base_color),
+                        m.roughness, m.metallic);
     if (m.base_color.a < 1) text += fmt::format("  alpha {:.2f}", m.base_color.a);
     if (m.emissive != glm::vec3(0))
       text += fmt::format("  emits {:.2f} {:.2f} {:.2f}", m.emissive.r, m.emissive.g, m.emissive.b);
@@ -196,7 +219,7 @@ std::string bytesTable(const Summary& summary) {
             : "-",
         shareText(stored, summary.storedBytes()));
   };
-  std::string text = fmt::format("{}\n  {:<7}{:>7}{:>14}{:>14}{:>9}{:>10}\n", bold("bytes"), "chunk", "count",
+  std::string text = fmt::format("{}\n  {:<7}{:>7}{:>14}{:>14}{:>9}{:>10}\n", "bytes", "chunk", "count",
                                  "stored", "decoded", "ratio", "of file");
   const std::size_t kinds = summary.chunks.size() - 1;
   for (std::size_t i = 0; i < kinds && i < kMostChunks; ++i)
@@ -217,24 +240,23 @@ std::string bytesTable(const Summary& summary) {
 
 std::string infoText(const Summary& summary) {
   const Pack& pack = *summary.pack;
-  std::string text =
-      fmt::format("{}: kelp pack, format {}.{}, {}, {}, {}\n", bold(nameText(summary.path, 4096)),
-                  kFormatMajor, pack.minorVersion(), bytesText(pack.fileSize()),
-                  plural(pack.parts().size(), "part"), plural(pack.clips().size(), "clip"));
+  std::string text = fmt::format("{}: kelp pack, format {}.{}, {}, {}, {}\n", nameText(summary.path, 4096),
+                                 kFormatMajor, pack.minorVersion(), bytesText(pack.fileSize()),
+                                 plural(pack.parts().size(), "part"), plural(pack.clips().size(), "clip"));
   const auto lines = infoLines(pack.infoJson());
   for (std::size_t i = 0; i < lines.size() && i < kMostLines; ++i)
     text += fmt::format("  {:<9}{}\n", lines[i].first, lines[i].second);
   text += more(lines.size(), kMostLines, "members of INFO");
-  text += bold("parts") + "\n";
+  text += "parts\n";
   if (summary.parts.size() > kDetailedParts)
     text += partsTable(summary);
   else
     for (std::size_t i = 0; i < summary.parts.size(); ++i) text += partText(summary, i);
-  if (!pack.clips().empty()) text += bold("clips") + "\n";
+  if (!pack.clips().empty()) text += "clips\n";
   for (std::size_t i = 0; i < pack.clips().size() && i < kMostClips; ++i)
     text += clipText(summary, pack.clips()[i]);
   text += more(pack.clips().size(), kMostClips, "clips");
-  if (!pack.sockets().empty()) text += bold("sockets") + "\n";
+  if (!pack.sockets().empty()) text += "sockets\n";
   for (std::size_t i = 0; i < pack.sockets().size() && i < kMostClips; ++i) {
     const Socket& socket = pack.sockets()[i];
     text += fmt::format("  {} at {:.4g} of {}\n", padRight(nameText(socket.name, 40), 16), socket.at,

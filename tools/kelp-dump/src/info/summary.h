@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `info` says about a pack, as plain data. It is printed as text or JSON.
+// The content of `info` as plain data.
 #pragma once
 
 #include <array>
@@ -67,7 +67,8 @@ struct Summary {
 // Reads only the pack's tables, which are in memory. `count`: also every grid and page. ToolError.
 Summary summarize(PackFile& file, bool count);
 
-// What `info` prints without --format json.
+// Prints as text or JSON.
 std::string infoText(const Summary& summary);
+std::string infoJson(const Summary& summary);
 
 }  // namespace kelp::dump

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "pack/level_grid.h"
-#include "text/memory_check.h"
+#include "text/checks.h"
 
 namespace kelp::dump {
 

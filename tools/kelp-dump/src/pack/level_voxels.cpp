@@ -8,7 +8,7 @@
 
 #include "kelp/common/dense_index.h"
 #include "pack/level_grid.h"
-#include "text/memory_check.h"
+#include "text/checks.h"
 
 namespace kelp::dump {
 namespace {
@@ -79,23 +79,6 @@ bool LevelVoxels::anyBrick(int from, int beyond, int y, int z) const {
   for (int x = from / kBrickSide * kBrickSide; x < beyond; x += kBrickSide)
     if (cellOf({x, y, z}) & kCellSolid) return true;
   return false;
-}
-
-void LevelVoxels::fogLayer(int y, std::span<std::uint8_t> density, std::span<std::uint8_t> heat) const {
-  std::fill(density.begin(), density.end(), std::uint8_t{0});
-  std::fill(heat.begin(), heat.end(), std::uint8_t{0});
-  for (std::size_t slot = 0; slot < brick_of_slot_.size(); ++slot) {
-    const glm::ivec3 low = brick_of_slot_[slot] * kBrickSide;
-    if (y < low.y || y >= low.y + kFogSide) continue;
-    for (int z = low.z; z < std::min(low.z + kFogSide, size_.z); ++z)
-      for (int x = low.x; x < std::min(low.x + kFogSide, size_.x); ++x) {
-        const std::size_t at =
-            slot * kFogSamples + denseIndex(glm::ivec3(kFogSide), glm::ivec3(x, y, z) - low);
-        const std::size_t pixel = denseIndex({size_.x, 1, size_.z}, x, 0, z);
-        density[pixel] = raw_.density[at];
-        if (!heat.empty()) heat[pixel] = raw_.heat[at];
-      }
-  }
 }
 
 std::uint64_t LevelVoxels::solidVoxels() const {

@@ -39,7 +39,7 @@ class LevelVoxels {
   // The palette index of each voxel of a row along x, or kEmpty. Inner voxels have no colour: they get that
   // of the surface voxel before them. `row` begins at x = `from` and ends within the level.
   void paletteRow(int y, int z, int from, std::span<std::int16_t> row) const;
-  // Whether any brick is solid, in part or whole, of the voxels from..beyond-1 of a row.
+  // True if a brick with any of the voxels from..beyond-1 of a row is solid, in part or whole.
   bool anyBrick(int from, int beyond, int y, int z) const;
   std::uint64_t solidVoxels() const;
   std::uint64_t surfaceVoxels() const { return raw_.attributes.size(); }
@@ -85,8 +85,6 @@ class LevelVoxels {
         if ((density | heat) != 0 && contains(sample)) f(sample, density, heat);
       }
   }
-  // The codes of one layer, at x + size().x * z. `heat` may be empty.
-  void fogLayer(int y, std::span<std::uint8_t> density, std::span<std::uint8_t> heat) const;
 
  private:
   bool contains(const glm::ivec3& v) const {

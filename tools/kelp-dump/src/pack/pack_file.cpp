@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pack/pack_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -15,11 +16,9 @@
 namespace kelp::dump {
 
 PackFile::PackFile(const std::string& path) : path_(path) {
-  if (path == "-" || console::isPipe(path)) {
-    if (path == "-") path_ = "standard input";
-    piped_.emplace(path);
-    return;
-  }
+  if (path == "-" || console::isPipe(path))
+    throw ToolError(Exit::kUsage,
+                    path + ": a pack is not read from a pipe; write it to a file and name that");
   errno = 0;
   Result<FileSource> opened = FileSource::open(path.c_str());
   if (!opened) {
@@ -29,9 +28,7 @@ PackFile::PackFile(const std::string& path) : path_(path) {
     if (std::filesystem::is_directory(status))
       throw ToolError(Exit::kIo, fmt::format("{}: is a folder; name a .kelp file", path));
     if (std::filesystem::is_other(status))
-      throw ToolError(
-          Exit::kIo,
-          fmt::format("{}: is a device, not a file; name a .kelp file, or - for standard input", path));
+      throw ToolError(Exit::kIo, fmt::format("{}: is a device, not a file; name a .kelp file", path));
     throw ToolError(Exit::kIo, fmt::format("{}: cannot be opened: {}; check the path and its permissions",
                                            path, reason ? std::strerror(reason) : opened.error().detail));
   }
@@ -93,5 +90,20 @@ std::uint32_t PackFile::findVoxels(const std::string& wanted) {
 }
 
 void PackFile::fail(const Error& error, const std::string& where) const { failPack(path_, error, where); }
+
+std::optional<Axis> bakedAxis(const Part& part) {
+  for (const Axis axis :
+       {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
+    const glm::dmat3 to_file(glm::transpose(axisRotation(axis)));
+    double apart = 0;
+    for (int column = 0; column < 3; ++column) {
+      const glm::dvec3 expected = glm::dmat3(glm::dmat4x3(part.pivot)) * to_file[column];
+      apart = std::max(
+          apart, glm::distance(glm::normalize(expected), glm::normalize(glm::dvec3(part.to_object[column]))));
+    }
+    if (apart < 1e-3) return axis;
+  }
+  return std::nullopt;
+}
 
 }  // namespace kelp::dump

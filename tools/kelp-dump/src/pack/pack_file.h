@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A pack on disk or from a pipe. Errors name the file and say what to do.
+// A pack on disk. Errors name the file and say what to do.
 #pragma once
 
 #include <cstdint>
@@ -8,20 +8,19 @@
 
 #include "kelp/common/error.h"
 #include "kelp/formats/pack.h"
-#include "pack/piped_source.h"
+#include "kelp/rig/rig.h"
 
 namespace kelp::dump {
 
 class PackFile {
  public:
-  // Opens the file. "-" (standard input) and pipes are read to their end. ToolError kIo.
+  // Opens the file. ToolError kIo.
   explicit PackFile(const std::string& path);
   PackFile(const PackFile&) = delete;
   PackFile& operator=(const PackFile&) = delete;
 
-  // As given; "standard input" for "-".
   const std::string& path() const { return path_; }
-  Source source() { return piped_ ? piped_->source() : file_.source(); }
+  Source source() { return file_.source(); }
   // Opens the pack on first use. ToolError if the file is no pack or is damaged.
   const Pack& pack();
   // As pack(), but null if it does not open.
@@ -35,11 +34,6 @@ class PackFile {
   std::uint32_t partOrFirst(const std::string& wanted);
   // As partOrFirst. ToolError kUsage for an empty part.
   std::uint32_t findVoxels(const std::string& wanted);
-  // Closes the file. Nothing can be read any more.
-  void close() {
-    pack_.reset();
-    file_ = FileSource();
-  }
 
   // "0 'reed', 1 'leaf', ...".
   std::string partList();
@@ -50,8 +44,11 @@ class PackFile {
  private:
   std::string path_;
   FileSource file_;
-  std::optional<PipedSource> piped_;
   std::optional<Pack> pack_;
 };
+
+// The axis of the part's file (or node) along which it was baked, found from its voxels' rotation against its
+// pivot. Nothing if the pivot is rotated too, or skewed.
+std::optional<Axis> bakedAxis(const Part& part);
 
 }  // namespace kelp::dump

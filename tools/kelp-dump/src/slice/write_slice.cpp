@@ -15,7 +15,7 @@
 #include "kelp/common/png.h"
 #include "kelp/fields/fields.h"
 #include "pack/level_voxels.h"
-#include "text/memory_check.h"
+#include "text/checks.h"
 #include "text/text.h"
 
 namespace kelp::dump {

@@ -18,8 +18,8 @@ struct SliceOptions {
   int scale = 1;  // pixels a voxel
 };
 
-// Writes one layer of a part's voxels as a PNG. Across y: x to the right, z down, as `extract --slices`.
-// Across z: x to the right, y up. Across x: z to the right, y up. ToolError; kUnsupported if this program was
+// Writes one layer of a part's voxels as a PNG. Across y: x to the right, z down. Across z: x
+// to the right, y up. Across x: z to the right, y up. ToolError; kUnsupported if this program was
 // built without libpng.
 void writeSlice(PackFile& file, std::uint32_t part, const SliceOptions& options, const std::string& output);
 

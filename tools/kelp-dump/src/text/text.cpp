@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 
 #include <fmt/format.h>
 
@@ -13,20 +11,6 @@
 #include "kelp/common/srgb.h"
 
 namespace kelp::dump {
-namespace {
-
-bool colours() {
-  static const bool answer = [] {
-    const char* const term = std::getenv("TERM");
-    const char* const no_colour = std::getenv("NO_COLOR");
-    return console::isTerminal(console::Stream::kOut) && !(no_colour && *no_colour) &&
-           !(term && std::strcmp(term, "dumb") == 0);
-  }();
-  return answer;
-}
-
-}  // namespace
-
 std::string bytesText(std::uint64_t bytes) {
   static constexpr const char* kUnits[] = {"bytes", "KiB", "MiB", "GiB", "TiB"};
   double amount = static_cast<double>(bytes);
@@ -92,24 +76,6 @@ std::string plural(std::uint64_t count, std::string_view word) {
 std::string hexColour(const glm::vec4& linear) {
   return fmt::format("#{:02x}{:02x}{:02x}", linearToSrgb8(linear.r), linearToSrgb8(linear.g),
                      linearToSrgb8(linear.b));
-}
-
-std::string swatch(const glm::vec4& linear) {
-  if (!colours()) return "";
-  return fmt::format("\x1b[48;2;{};{};{}m  \x1b[0m ", linearToSrgb8(linear.r), linearToSrgb8(linear.g),
-                     linearToSrgb8(linear.b));
-}
-
-std::string bold(const std::string& text) { return colours() ? fmt::format("\x1b[1m{}\x1b[0m", text) : text; }
-
-std::string faint(const std::string& text) {
-  return colours() ? fmt::format("\x1b[2m{}\x1b[0m", text) : text;
-}
-
-std::string bar(double share, int longest) {
-  if (!(share > 0)) return "";
-  return std::string(
-      static_cast<std::size_t>(std::clamp(static_cast<int>(std::lround(share * longest)), 1, longest)), '#');
 }
 
 namespace {

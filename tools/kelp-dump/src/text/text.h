@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Text for people: sizes, names from files made safe for a terminal, colours on a terminal.
+// Text for people: sizes, names from files made safe for a terminal.
 #pragma once
 
 #include <cstdint>
@@ -31,13 +31,6 @@ std::string fourccText(std::uint32_t fourcc);
 std::string plural(std::uint64_t count, std::string_view word);
 // A linear colour as "#rrggbb" in sRGB.
 std::string hexColour(const glm::vec4& linear);
-// Two cells of the colour if stdout is a terminal that shows colours, else empty.
-std::string swatch(const glm::vec4& linear);
-// Bold and faint on a terminal, else the text unchanged.
-std::string bold(const std::string& text);
-std::string faint(const std::string& text);
-// A share, 0 to 1, as a bar of up to `longest` signs. A share above 0 has at least one.
-std::string bar(double share, int longest = 20);
 // Adds spaces on the right or on the left up to that many columns, counting characters, not bytes. Longer
 // text stays unchanged.
 std::string padRight(const std::string& text, std::size_t columns);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "verify/deep_check.h"
+#include "verify/deep_level.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -12,11 +12,8 @@
 
 #include "kelp/common/error.h"
 #include "kelp/fields/fields.h"
-#include "text/memory_check.h"
+#include "text/checks.h"
 #include "text/text.h"
-#include "verify/deep_distances.h"
-#include "verify/deep_fog.h"
-#include "verify/deep_level.h"
 
 namespace kelp::dump {
 namespace {
@@ -84,7 +81,7 @@ class DeepCheck {
   void checkSolid(int part) {
     Occupancy finer;
     for (int l = 0; l < pack_.parts()[static_cast<std::size_t>(part)].levels; ++l) {
-      const Place place{part, l};
+      const LevelPlace place{part, l};
       const StoredLevel level = readStored(file_, place);
       Occupancy occupancy = occupancyOf(level);
       if (l > 0) checkOccupancy(place, occupancy, fields::coarser(finer, threads_));
@@ -101,7 +98,7 @@ class DeepCheck {
     }
   }
 
-  void checkOccupancy(const Place& place, const Occupancy& stored, const Occupancy& expected) {
+  void checkOccupancy(const LevelPlace& place, const Occupancy& stored, const Occupancy& expected) {
     Tally lacks(DeepIssue::kLacksVoxel, place), extra(DeepIssue::kExtraVoxel, place);
     for (std::size_t i = 0; i < stored.solid.size(); ++i) {
       if ((stored.solid[i] != 0) == (expected.solid[i] != 0)) continue;
@@ -113,7 +110,7 @@ class DeepCheck {
   }
 
   // `finer` is null at level 0.
-  void checkAttributes(const Place& place, const Occupancy& occupancy, const Occupancy* finer) {
+  void checkAttributes(const LevelPlace& place, const Occupancy& occupancy, const Occupancy* finer) {
     Tally lacks(DeepIssue::kSurfaceLacksAttribute, place), extra(DeepIssue::kExtraAttribute, place);
     const auto compare = [&](std::size_t i, bool expected) {
       // A missing voxel has been reported as missing.
@@ -140,7 +137,7 @@ class DeepCheck {
     extra.report(report_);
   }
 
-  void checkEmptiness(const Place& place, const StoredLevel& level, const Occupancy& occupancy) {
+  void checkEmptiness(const LevelPlace& place, const StoredLevel& level, const Occupancy& occupancy) {
     std::vector<fields::SurfaceVoxel> surface;
     for (std::size_t i = 0; i < occupancy.solid.size(); ++i) {
       if (occupancy.solid[i] == kAttributed) surface.push_back({i, 0});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "verify/deep_distances.h"
+#include "verify/deep_level.h"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ std::string distanceText(std::uint8_t code) {
 
 }  // namespace
 
-void checkDistances(PackFile& file, const Place& place, const fields::Occupancy& occupancy, int threads,
+void checkDistances(PackFile& file, const LevelPlace& place, const fields::Occupancy& occupancy, int threads,
                     VerifyReport& report) {
   const LevelDistances stored(file, static_cast<std::uint32_t>(place.part), place.level);
   const RawDistances right = fields::buildDistances(occupancy, stored.raw().band, threads);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "verify/deep_fog.h"
+#include "verify/deep_level.h"
 
 #include <cmath>
 #include <utility>
@@ -16,8 +16,8 @@ namespace {
 
 using fields::FogSamples;
 
-// Whether all bricks of the grid, also empty ones, agree with the dense field that they make together.
-bool bricksAgree(const Place& place, const StoredLevel& level, const FogSamples& samples,
+// True if all bricks of the grid, also empty ones, agree with the dense field that they make together.
+bool bricksAgree(const LevelPlace& place, const StoredLevel& level, const FogSamples& samples,
                  VerifyReport& report) {
   Tally seam(DeepIssue::kFogSeam, place);
   for (std::size_t c = 0; c < level.raw.cells.size(); ++c) {
@@ -42,14 +42,14 @@ bool bricksAgree(const Place& place, const StoredLevel& level, const FogSamples&
   return seam.count() == 0;
 }
 
-void checkCells(const Place& place, const StoredLevel& level, const FogSamples& samples, int threads,
+void checkCells(const LevelPlace& place, const StoredLevel& level, const FogSamples& samples, int threads,
                 VerifyReport& report) {
   // All bricks agree about their samples, and no stored brick is clear. So both have the same bricks in the
   // same slots.
   compareClearances(level, fields::buildFogLevel(samples, threads), place, report);
 }
 
-void checkSamples(const Place& place, const FogSamples& stored, const FogSamples& right,
+void checkSamples(const LevelPlace& place, const FogSamples& stored, const FogSamples& right,
                   VerifyReport& report) {
   Tally wrong(DeepIssue::kFogSample, place);
   const auto compare = [&](const char* what, const std::vector<std::uint8_t>& a,
@@ -72,7 +72,7 @@ void checkFogDeeply(PackFile& file, int index, int threads, VerifyReport& report
   const Part& part = file.pack().parts()[static_cast<std::size_t>(index)];
   FogSamples finer;  // empty where it is unsure
   for (int l = 0; l < part.levels; ++l) {
-    const Place place{index, l};
+    const LevelPlace place{index, l};
     const StoredLevel level = readStored(file, place);
     FogSamples samples = fields::fogSamplesOf(level.raw, levelSize(part.size, l));
     if (!bricksAgree(place, level, samples, report)) {

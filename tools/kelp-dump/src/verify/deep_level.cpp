@@ -12,7 +12,7 @@
 
 namespace kelp::dump {
 
-StoredLevel readStored(PackFile& file, const Place& place) {
+StoredLevel readStored(PackFile& file, const LevelPlace& place) {
   const auto part = static_cast<std::uint32_t>(place.part);
   const Part& of = file.pack().parts()[part];
   StoredLevel level;
@@ -49,7 +49,7 @@ void Tally::report(VerifyReport& into) const {
   into.findings.push_back(finding);
 }
 
-void compareClearances(const StoredLevel& level, const RawLevel& right, const Place& place,
+void compareClearances(const StoredLevel& level, const RawLevel& right, const LevelPlace& place,
                        VerifyReport& report) {
   Tally untrue(DeepIssue::kFalseEmptiness, place), lesser(DeepIssue::kNotBestEmptiness, place);
   for (std::size_t c = 0; c < right.cells.size(); ++c) {

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: MIT
-// What the deep checks of solid parts and of fog share: a level as it is stored, and a count of what is wrong
-// in it.
+// The deep check of solid parts and of fog: a level as it is stored, a count of what is wrong in it, and the
+// checks themselves.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "kelp/fields/fields.h"
 #include "kelp/formats/raw_pack.h"
 #include "pack/pack_file.h"
 #include "verify/finding.h"
 
 namespace kelp::dump {
 
-struct Place {
+struct LevelPlace {
   int part = 0;
   int level = 0;
 };
@@ -26,12 +28,12 @@ struct StoredLevel {
 };
 
 // Reads all of a level. ToolError.
-StoredLevel readStored(PackFile& file, const Place& place);
+StoredLevel readStored(PackFile& file, const LevelPlace& place);
 
 // Counts the places of one kind in one level and remembers the first.
 class Tally {
  public:
-  Tally(DeepIssue issue, const Place& place) : issue_(issue), place_(place) {}
+  Tally(DeepIssue issue, const LevelPlace& place) : issue_(issue), place_(place) {}
 
   void add(std::optional<glm::ivec3> brick, std::optional<glm::ivec3> voxel, std::string detail = "");
   std::uint64_t count() const { return count_; }
@@ -39,7 +41,7 @@ class Tally {
 
  private:
   DeepIssue issue_;
-  Place place_;
+  LevelPlace place_;
   std::uint64_t count_ = 0;
   std::optional<glm::ivec3> brick_, voxel_;
   std::string detail_;
@@ -47,7 +49,28 @@ class Tally {
 
 // Compares the clearances of empty bricks with recomputed ones: they may promise emptiness where something
 // is, or less than they could.
-void compareClearances(const StoredLevel& level, const RawLevel& right, const Place& place,
+void compareClearances(const StoredLevel& level, const RawLevel& right, const LevelPlace& place,
                        VerifyReport& report);
+
+// Computes the distances of a level again and compares. ToolError if they cannot be read.
+void checkDistances(PackFile& file, const LevelPlace& place, const fields::Occupancy& occupancy, int threads,
+                    VerifyReport& report);
+
+// The deep check of a part of fog. It compares the clearances to the voxel, the samples
+// that bricks share, and every level's samples and extinction with those of the next finer level. If bricks
+// disagree about shared samples, nothing else is checked in that level.
+void checkFogDeeply(PackFile& file, int part, int threads, VerifyReport& report);
+
+// The most memory that this takes for a level of `voxels` voxels, in addition to fields::peakBytes.
+std::uint64_t deepFogBytes(std::uint64_t voxels, int channels);
+
+// Recomputes what the voxels imply and appends to `report` every difference from what is stored. For each
+// level of each solid part it compares: the clearances of all empty bricks, to the voxel; the
+// occupancy with that of the next finer level; which voxels have an attribute (at level 0 the surface, above
+// it the voxels over a surface voxel). checkFogDeeply() does the same for fog.
+//
+// Parts for which `report` lists errors already are left out, as nobody can say what their voxels mean.
+// ToolError kRuntime if memory cannot hold the largest level.
+void checkDeeply(PackFile& file, VerifyReport& report);
 
 }  // namespace kelp::dump

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One thing that `verify` found: by formats' verify (ids 100 to 499, formats/verify.h) or by the deep check
+// A finding of `verify`: by formats' verify (ids 100 to 499, formats/verify.h) or by the deep check
 // (500 and up).
 #pragma once
 
@@ -50,7 +50,7 @@ struct Finding {
 struct VerifyReport {
   std::string path;
   bool deep = false;
-  bool distances = false;               // whether the pack has them
+  bool distances = false;               // true if the pack has them
   std::vector<std::string> part_names;  // empty if the pack could not be opened
   std::uint64_t levels = 0;             // in all parts
   std::vector<Finding> findings;
@@ -58,5 +58,9 @@ struct VerifyReport {
   std::uint64_t errors() const;
   std::uint64_t warnings() const { return findings.size() - errors(); }
 };
+
+// A line for each finding, and one for the pack.
+std::string verifyText(const VerifyReport& report);
+std::string verifyJson(const VerifyReport& report);
 
 }  // namespace kelp::dump

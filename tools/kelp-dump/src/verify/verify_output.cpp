@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "verify/verify_output.h"
+#include "verify/finding.h"
 
 #include <algorithm>
 

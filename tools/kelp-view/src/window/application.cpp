@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "kelp/common/pack_error.h"
-#include "window/joints.h"
 #include "window/messages.h"
+#include "window/panel.h"
 
 namespace kelp::view {
 namespace {
@@ -44,7 +44,7 @@ Application::Application(GLFWwindow* window, const Arguments& arguments)
         self.keys_.push_back({letter ? name[0] - 'a' + 'A' : key, modifiers});
       });
   choices_.edit = arguments.edit;
-  status_.wrong = changeSurface(stage_, choices_, arguments.surface);
+  status_.wrong = stage_.paint(arguments.surface);
   if (arguments.bake) workshop_ = std::make_unique<Workshop>(*arguments.bake);
   if (watching_) pack_watch_.watch({pack_});
 }
@@ -74,7 +74,6 @@ Exit Application::open(const std::string& path) {
   status_.notice.clear();
   held_.reset();
   choices_.seconds = 0;
-  choices_.focus = {};
   fitCamera();
   glfwSetWindowTitle(window_, ("kelp: " + path).c_str());
   return Exit::kOk;
@@ -100,20 +99,14 @@ void Application::frame() {
 
   glm::ivec2 pixels(0);
   glfwGetFramebufferSize(window_, &pixels.x, &pixels.y);
-  if (std::string wrong = stage_.draw(camera_, pixels, choices_.pixels_per_voxel, choices_.focus);
-      !wrong.empty())
+  if (std::string wrong = stage_.draw(camera_, pixels, choices_.pixels_per_voxel); !wrong.empty())
     status_.wrong = std::move(wrong);
-  if (stage_.model() && choices_.joints)
-    drawJoints(*stage_.model(), camera_, stage_.surface(), choices_.focus);
-  if (stage_.model() && showsHandles(choices_, stage_.surface()))
+  if (stage_.model() && choices_.handles)
     drawHandles(*stage_.model(), camera_, held_ ? held_ : near_,
                 editor_ ? editor_->realized().sockets : rawSockets(stage_.model()->asset().pack()));
   status_.workshop = workshop_.get();
   status_.unsaved = unsaved();
-  const int chosen = choices_.focus.chosen;
   drawPanel(stage_, choices_, under_mouse_, status_);
-  if (editor_ && choices_.focus.chosen >= 0 && choices_.focus.chosen != chosen)
-    showInEditor(choices_.focus.chosen);
   if (editor_ && choices_.edit) {
     drawRigPanel(panel_, *editor_, choices_.seconds, [this] { save(panel_.part); });
     if (panel_.path.empty()) panel_.path = defaultPath(panel_.part);
@@ -129,7 +122,7 @@ void Application::fitCamera() {
   const Model* const model = stage_.model();
   if (!model) return;
   Box box = bounds(model->instance());
-  if (showsHandles(choices_, stage_.surface())) {
+  if (choices_.handles) {
     for (const Handle& handle : handlesOf(*model)) box.add(position(*model, handle));
   }
   camera_.frame(box);
@@ -153,13 +146,6 @@ void Application::useKeys() {
       choices_.play = !choices_.play;
     } else if (key == GLFW_KEY_H) {
       choices_.handles = !choices_.handles;
-    } else if (key == GLFW_KEY_J) {
-      choices_.joints = !choices_.joints;
-    } else if (key == GLFW_KEY_P) {
-      const bool fit_known = stage_.model() && knowsFit(stage_.model()->skin());
-      const Surface next = afterParts(stage_.surface(), fit_known);
-      if (std::string wrong = changeSurface(stage_, choices_, next); !wrong.empty())
-        status_.wrong = std::move(wrong);
     } else if (key == GLFW_KEY_E) {
       choices_.edit = !choices_.edit;
     } else if (key == GLFW_KEY_F) {
@@ -186,8 +172,7 @@ void Application::useMouse(const glm::vec2& mouse) {
   if (io.WantCaptureMouse) return;
 
   if (model && !ImGui::IsAnyMouseDown()) under_mouse_ = raycast(model->instance(), camera_.ray(mouse));
-  if (model && showsHandles(choices_, stage_.surface())) near_ = pick(*model, camera_, mouse, kGrip);
-  usePart(mouse);
+  if (model && choices_.handles) near_ = pick(*model, camera_, mouse, kGrip);
   if (near_ && ImGui::IsMouseClicked(0)) {
     held_ = near_;
     grip_ = mouse - camera_.project(position(*model, *held_)).value_or(mouse);
@@ -198,17 +183,6 @@ void Application::useMouse(const glm::vec2& mouse) {
     camera_.pan(moved);
   }
   camera_.zoom(io.MouseWheel);
-}
-
-// The part under the mouse; a click keeps it, beside the model none.
-void Application::usePart(const glm::vec2& mouse) {
-  constexpr float kStill = 4;  // pixels; farther is a drag
-  if (!ImGui::IsAnyMouseDown()) choices_.focus.pointed = under_mouse_ ? under_mouse_->part : -1;
-  if (ImGui::IsMouseClicked(0)) press_ = mouse;
-  if (!showsParts(stage_.surface()) || near_ || !ImGui::IsMouseReleased(0)) return;
-  if (glm::distance(press_, mouse) > kStill) return;
-  choices_.focus.chosen = choices_.focus.pointed;
-  if (editor_ && choices_.focus.chosen >= 0) showInEditor(choices_.focus.chosen);
 }
 
 void Application::watch(double now) {
@@ -259,8 +233,6 @@ void Application::showWhatCame() {
     return;
   }
   held_.reset();
-  choices_.focus.pointed = -1;
-  if (choices_.focus.chosen >= static_cast<int>(stage_.model()->skin().size())) choices_.focus.chosen = -1;
   shown_revision_ = editor_ && !editor_->isIn(stage_.model()->original()) ? -1
                     : editor_                                             ? editor_->revision()
                                                                           : 0;

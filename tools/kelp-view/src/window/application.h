@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What happens in the window: mouse, keys, files that are dropped or change, the rig that is edited.
+// Mouse, keys, files that are dropped or change, and the rig that is edited.
 #pragma once
 
 #include "arguments.h"
@@ -24,10 +24,10 @@ class Application {
   Exit open(const std::string& path);
   // Takes in mouse, keys and changed files, and draws.
   void frame();
-  // Whether the window may close now. If changes would be lost it asks the user first, and closes after that.
+  // True if the window may close now. If changes would be lost it asks the user first, and closes after that.
   bool mayClose();
 
-  // Whether the picture shows every voxel, and no bake or reload is under way.
+  // True once the picture shows every voxel, and no bake or reload is under way.
   bool complete() const { return stage_.complete() && !coming_ && !baking(); }
   // The exit code of the last bake if it failed, else kOk.
   Exit bakeFailure() const {
@@ -47,7 +47,6 @@ class Application {
   void fitCamera();
   void useKeys();
   void useMouse(const glm::vec2& mouse);
-  void usePart(const glm::vec2& mouse);
   void showInEditor(int part) {
     if (panel_.part != part) panel_.part = part, panel_.path.clear();
   }
@@ -74,8 +73,7 @@ class Application {
   bool escaped_ = false;   // in this frame
   void (*next_key_callback_)(GLFWwindow*, int, int, int, int) = nullptr;
   std::optional<Handle> near_, held_;
-  glm::vec2 grip_{0};   // where the held handle was taken, pixels from its middle
-  glm::vec2 press_{0};  // where the left button went down
+  glm::vec2 grip_{0};  // where the held handle was taken, pixels from its middle
   std::optional<runtime::Hit> under_mouse_;
 
   std::optional<RigEditor> editor_;

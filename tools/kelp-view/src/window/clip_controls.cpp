@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "window/clip_controls.h"
+#include "window/rig_controls.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "window/panel.h"
 
-#include <imgui.h>
+#include <algorithm>
 
-#include "window/panel_colors.h"
-#include "window/part_list.h"
+#include <imgui.h>
 
 namespace kelp::view {
 namespace {
@@ -31,34 +30,26 @@ void drawClips(Model& model, Choices& choices) {
   }
 }
 
-// A tooltip for the control before it, which may be grey.
-void reason(const char* text) {
-  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
-  ImGui::BeginTooltip();
-  ImGui::PushTextWrapPos(26 * ImGui::GetFontSize());
-  ImGui::TextUnformatted(text);
-  ImGui::PopTextWrapPos();
-  ImGui::EndTooltip();
-}
-
-void drawOverlays(const Stage& stage, Choices& choices) {
-  const bool held_back = choices.handles && !showsHandles(choices, stage.surface());
-  ImGui::BeginDisabled(held_back);
-  ImGui::Checkbox("knots and tangents (H)", &choices.handles);
-  ImGui::EndDisabled();
-  if (held_back) reason("Where the colours show parts, handles are shown while the rig is edited (E).");
+void drawParts(const Model& model) {
+  const std::span<const Part> parts = model.asset().pack().parts();
+  constexpr std::size_t kMostLines = 12;
+  for (std::size_t i = 0; i < std::min(parts.size(), kMostLines); ++i) {
+    const Part& part = parts[i];
+    if (part.kind == PartKind::kEmpty) continue;
+    ImGui::Text("%.*s: %d x %d x %d, level %d of 0..%d", static_cast<int>(part.name.size()), part.name.data(),
+                part.size.x, part.size.y, part.size.z, model.asset().residentLevel(static_cast<int>(i)),
+                part.levels - 1);
+  }
+  if (parts.size() > kMostLines)
+    ImGui::Text("... and %d more parts", static_cast<int>(parts.size() - kMostLines));
 }
 
 void drawSurface(Stage& stage, Choices& choices, std::string& wrong) {
   if (ImGui::BeginCombo("colours", toString(stage.surface()))) {
     for (int i = 0; i < static_cast<int>(Surface::kCount); ++i) {
       const auto surface = static_cast<Surface>(i);
-      const bool known = surface != Surface::kFit || !stage.model() || knowsFit(stage.model()->skin());
-      ImGui::BeginDisabled(!known);
       if (ImGui::Selectable(toString(surface), surface == stage.surface()) && surface != stage.surface())
-        wrong = changeSurface(stage, choices, surface);
-      ImGui::EndDisabled();
-      if (!known) reason(kNoFit);
+        wrong = stage.paint(surface);
     }
     ImGui::EndCombo();
   }
@@ -80,11 +71,6 @@ void drawBake(const Workshop& workshop) {
 
 }  // namespace
 
-std::string changeSurface(Stage& stage, Choices& choices, Surface surface) {
-  if (showsParts(surface) != showsParts(stage.surface())) choices.joints = showsParts(surface);
-  return stage.paint(surface);
-}
-
 void drawPanel(Stage& stage, Choices& choices, const std::optional<runtime::Hit>& under_mouse,
                Status& status) {
   ImGui::SetNextWindowPos({12, 12}, ImGuiCond_FirstUseEver);
@@ -94,7 +80,7 @@ void drawPanel(Stage& stage, Choices& choices, const std::optional<runtime::Hit>
   if (status.workshop) drawBake(*status.workshop);
   if (Model* model = stage.model()) {
     ImGui::TextUnformatted(model->path().c_str());
-    drawPartList(stage, choices.focus);
+    drawParts(*model);
     ImGui::Separator();
     drawClips(*model, choices);
     ImGui::Separator();
@@ -103,15 +89,13 @@ void drawPanel(Stage& stage, Choices& choices, const std::optional<runtime::Hit>
       ImGui::SameLine();
       ImGui::TextColored(kUnsaved, "not saved");
     }
-    drawOverlays(stage, choices);
+    ImGui::Checkbox("knots and tangents (H)", &choices.handles);
     if (model->edited()) {
       ImGui::SameLine();
       if (ImGui::Button("Reset")) model->forgetEdits();
     }
-    ImGui::Checkbox("joints and chains (J)", &choices.joints);
     ImGui::Separator();
     drawSurface(stage, choices, status.wrong);
-    drawPartNumbers(stage, choices.focus);
     ImGui::Text("%.1f MiB on the GPU", static_cast<double>(stage.stats().gpu_bytes) / (1 << 20));
     if (under_mouse) {
       const glm::ivec3 v = under_mouse->voxel;
@@ -128,7 +112,7 @@ void drawPanel(Stage& stage, Choices& choices, const std::optional<runtime::Hit>
   if (!status.notice.empty()) ImGui::TextUnformatted(status.notice.c_str());
   if (!status.wrong.empty()) ImGui::TextColored(kBad, "%s", status.wrong.c_str());
   ImGui::TextDisabled(
-      "drag: turn, or move a handle. right drag: move. wheel: zoom. F: fit. space: play. P: parts. %s",
+      "drag: turn, or move a handle. right drag: move. wheel: zoom. F: fit. space: play. %s",
       choices.edit ? "ctrl Z, Y: undo, redo. ctrl S: save the rig." : "R: reset the handles.");
   ImGui::PopTextWrapPos();
   ImGui::End();

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The panel on the left, and the splines and handles over the picture.
+// The panel on the left, and what lies over the picture: splines and handles.
 #pragma once
 
 #include <optional>
 #include <string>
+
+#include <imgui.h>
 
 #include "handles.h"
 #include "window/stage.h"
@@ -11,26 +13,16 @@
 
 namespace kelp::view {
 
+inline const ImVec4 kBad{1, 0.45f, 0.4f, 1}, kGood{0.55f, 0.85f, 0.5f, 1}, kUnsaved{1, 0.8f, 0.3f, 1};
+
 // The user's choices.
 struct Choices {
   bool play = true;
   double seconds = 0;
   float pixels_per_voxel = 1;  // 0: always the finest level
   bool handles = true;
-  bool joints = false;
-  PartFocus focus;
   bool edit = false;  // the rig editor is open: what is dragged changes the rig
 };
-
-// Whether handles are drawn and can be held. Where the picture shows parts they would hide them, so there
-// they belong to the rig editor.
-inline bool showsHandles(const Choices& choices, Surface surface) {
-  return choices.handles && (choices.edit || !showsParts(surface));
-}
-
-// Changes what the colours mean. Where the picture begins to show parts, it shows joints too. Answers an
-// empty text, or what is wrong.
-std::string changeSurface(Stage& stage, Choices& choices, Surface surface);
 
 // Messages that the panel shows.
 struct Status {

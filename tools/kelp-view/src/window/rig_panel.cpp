@@ -6,10 +6,8 @@
 
 #include <imgui.h>
 
-#include "window/bend_controls.h"
-#include "window/knot_controls.h"
-#include "window/panel_colors.h"
-#include "window/socket_controls.h"
+#include "window/panel.h"
+#include "window/rig_controls.h"
 
 namespace kelp::view {
 namespace {

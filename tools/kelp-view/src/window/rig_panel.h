@@ -6,11 +6,11 @@
 #include <string>
 
 #include "rig_editor.h"
-#include "window/clip_controls.h"
+#include "window/rig_controls.h"
 
 namespace kelp::view {
 
-// What the panel remembers from frame to frame.
+// The panel's state from frame to frame.
 struct RigPanel {
   int part = 0;  // the one that is edited
   ClipPanel clips;

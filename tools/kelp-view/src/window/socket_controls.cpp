@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "window/socket_controls.h"
+#include "window/rig_controls.h"
 
 #include <cstdio>
 

@@ -50,8 +50,7 @@ std::string Stage::paint(Surface surface) {
   return {};
 }
 
-std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel,
-                        const PartFocus& focus) {
+std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel) {
   if (viewport.x == 0 || viewport.y == 0) return {};  // minimised
   glViewport(0, 0, viewport.x, viewport.y);
   glClearColor(0.15f, 0.18f, 0.21f, 1);
@@ -74,7 +73,6 @@ std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, f
     complete_ = all_read && sent->pending == 0;
     return slice_.draw(*renderer_, view, instance, camera.toTarget());
   }
-  if (showsParts(surface_)) paint_.attach(colorsOf(*model_, surface_, focus), view);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_FRAMEBUFFER_SRGB);
   const auto drawn = renderer_->draw(view, {&instance, 1});

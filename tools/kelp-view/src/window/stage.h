@@ -9,8 +9,7 @@
 #include "kelp/gl/renderer.h"
 #include "model.h"
 #include "orbit_camera.h"
-#include "part_look.h"
-#include "window/part_paint.h"
+#include "surface.h"
 #include "window/slice.h"
 
 namespace kelp::view {
@@ -26,17 +25,15 @@ class Stage {
   std::string paint(Surface surface);
 
   // Sends voxels to the GPU and draws. Answers an empty text, or what is wrong.
-  std::string draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel,
-                   const PartFocus& focus);
+  std::string draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel);
   const gl::Stats& stats() const { return stats_; }  // of the last draw()
-  // whether every voxel is loaded and was drawn
+  // True once every voxel is loaded and was drawn.
   bool complete() const { return complete_; }
 
  private:
   std::unique_ptr<Model> model_;
   std::unique_ptr<gl::Renderer> renderer_;  // destroyed before the model that it draws
   Slice slice_;
-  PartPaint paint_;
   Surface surface_ = Surface::kShaded;
   gl::Stats stats_;
   bool complete_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "text/check_output.h"
+#include "text/checks.h"
 
 #include <filesystem>
 
@@ -8,7 +8,9 @@
 #include "kelp/common/console.h"
 #include "kelp/common/error.h"
 #include "kelp/common/links.h"
+#include "kelp/common/memory.h"
 #include "kelp/common/output_file.h"
+#include "text/text.h"
 
 namespace kelp::dump {
 
@@ -24,7 +26,14 @@ void checkBinaryOutput(const std::string& output, const std::string& input, cons
   if (streamOf(path))
     throw ToolError(Exit::kIo,
                     fmt::format("{}: is an open stream; give - for standard output, or name a file", output));
-  if (input != "-") checkNotOverwritten(path, console::pathOf(input));
+  checkNotOverwritten(path, console::pathOf(input));
+}
+
+void requireMemory(std::uint64_t needed, const std::string& what, const std::string& remedy) {
+  const std::uint64_t memory = physicalMemory();
+  if (needed > memory)
+    throw ToolError(Exit::kRuntime, fmt::format("{} needs {} of memory, this machine has {}; {}", what,
+                                                bytesText(needed), bytesText(memory), remedy));
 }
 
 }  // namespace kelp::dump
