@@ -17,7 +17,7 @@
 // run the branches that they do not take: KELP_FOG_HEAT, for parts with heat, and KELP_FOG_SHADOW, for
 // kelp::gl::Quality::self_shadow.
 
-#define KELP_FOG_CHANNEL 576u       // words of a brick's channel: kelp/runtime/page.h
+#define KELP_FOG_CHANNEL 576u       // words of a brick's channel: kelp/formats/page.h
 #define KELP_GAUSS 0.2113248654     // 1/2 - 1/sqrt(12)
 #define KELP_FOG_DEEP 9.0           // optical depth at which a ray ends: 1/8000 comes through
 #define KELP_FOG_SEEN 0.0009765625  // share of the light that one shadow ray stands for

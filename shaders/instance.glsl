@@ -9,8 +9,7 @@
 //                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31);
 //                the same for each level of distances, with the squared distance where its band ends << 20
 //                and for fog the meaning of its samples: fog.glsl, kelpLoadFog
-//   of a level   cells and pages as in kelp/runtime/page.h; of distances as in kelp/runtime/asset.h, with 128
-//                bricks a page
+//   of a level   cells and pages as in kelp/formats/page.h
 //                the page table has a word for each page: where the page is, 0 if it is not resident
 uniform usampler2DArray kelp_pool;
 

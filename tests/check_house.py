@@ -198,8 +198,9 @@ def main():
             lines = file.read().rstrip("\n").split("\n")
         for check in (check_arrows, check_widths, check_ported, check_lengths):
             faults.extend(check(path, lines))
+    doors = {room: (room, os.path.dirname(room), room.split("/src/")[0]) for room in ROOMS}
     faults.extend(f"{room}: has no README.md" for room in ROOMS
-                  if not any(os.path.isfile(f"{place}/README.md") for place in (room, os.path.dirname(room))))
+                  if not any(os.path.isfile(f"{place}/README.md") for place in doors[room]))
     faults.extend(check_format([path for path in files if path.endswith(CODE)]))
     for fault in faults:
         print(fault)
