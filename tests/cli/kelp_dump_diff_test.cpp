@@ -475,7 +475,7 @@ TEST_F(Diff, Refusals) {
   check({a, a, "--tolerance", "1.5"}, 1, "0 to 1");
   check({a, a, "--tolerance", "nan"}, 1, "0 to 1");
   check({a, a, "--tolerance", "some"}, 1, "--help");
-  check({"-", "-"}, 1, "only one of the packs can be standard input");
+  check({"-", a}, 1, "not read from a pipe");
   check({a, folder_ / "missing.kelp"}, 2, "missing.kelp: cannot be opened");
   check({folder_.folder(), a}, 2, "is a folder");
   check({text, a}, 3, "text.kelp: byte 0");

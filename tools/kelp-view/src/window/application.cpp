@@ -3,7 +3,8 @@
 
 #include "kelp/rig/raw_clips.h"
 
-#define GLFW_INCLUDE_NONE
+#define GL_GLEXT_PROTOTYPES
+#define GLFW_INCLUDE_GLCOREARB
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 

@@ -2,7 +2,8 @@
 // The part of Application that edits, shows and saves rigs, and asks before changes are lost.
 #include "window/application.h"
 
-#define GLFW_INCLUDE_NONE
+#define GL_GLEXT_PROTOTYPES
+#define GLFW_INCLUDE_GLCOREARB
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
