@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "container.h"
+#include "kelp/formats/distance.h"
 #include "layout.h"
 
 namespace kelp {
@@ -80,7 +81,7 @@ Result<void> findDistances(LevelWalk& walk, std::span<const ChunkInfo> chunks, s
 
 }  // namespace
 
-Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const Limits& limits) {
+Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const PackLimits& limits) {
   MetadataChunks found;
   struct Slot {
     std::uint32_t fourcc;

@@ -23,7 +23,7 @@ std::uint64_t entryOffset(std::size_t index) {
 }
 
 // Checks a known chunk by itself.
-Result<void> checkKnownChunk(const ChunkInfo& chunk, const Limits& limits, std::uint64_t at) {
+Result<void> checkKnownChunk(const ChunkInfo& chunk, const PackLimits& limits, std::uint64_t at) {
   const bool level_chunk = layout::isGrid(chunk.fourcc) || layout::isPages(chunk.fourcc);
   if (chunk.flags & ~layout::kKnownFlags)
     return Error{ErrorCode::kUnsupportedFeature, "a chunk has a flag that this version does not know",
@@ -48,7 +48,7 @@ Result<void> checkKnownChunk(const ChunkInfo& chunk, const Limits& limits, std::
   return {};
 }
 
-Result<void> checkIndex(const Container& container, const Limits& limits) {
+Result<void> checkIndex(const Container& container, const PackLimits& limits) {
   std::uint64_t end = entryOffset(container.chunks.size());
   for (std::size_t i = 0; i < container.chunks.size(); ++i) {
     const ChunkInfo& chunk = container.chunks[i];
@@ -86,7 +86,7 @@ Result<void> readBytes(const Source& source, std::uint64_t offset, std::span<std
   return Error{ErrorCode::kIo, "the source could not be read", offset};
 }
 
-Result<void> readContainer(const Source& source, const Limits& limits, const Allocator& allocator,
+Result<void> readContainer(const Source& source, const PackLimits& limits, const Allocator& allocator,
                            Container& out) {
   using namespace layout;
   if (!source.read) return Error{ErrorCode::kMisuse, "the source has no read function"};
@@ -139,7 +139,7 @@ Result<void> readContainer(const Source& source, const Limits& limits, const All
   return checkIndex(out, limits);
 }
 
-Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limits& limits,
+Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const PackLimits& limits,
                        Buffer<std::byte>& out, const Allocator& allocator) {
   if (chunk.raw > limits.max_decoded_bytes)
     return Error{ErrorCode::kLimit, "a chunk is larger than the limits allow", chunk.offset};

@@ -19,14 +19,14 @@ struct Container {
 };
 
 // Reads and checks header and index, and reads nothing else.
-Result<void> readContainer(const Source& source, const Limits& limits, const Allocator& allocator,
+Result<void> readContainer(const Source& source, const PackLimits& limits, const Allocator& allocator,
                            Container& out);
 
 // Fills `bytes` from `offset` of the source, or returns kIo or kNotYet.
 Result<void> readBytes(const Source& source, std::uint64_t offset, std::span<std::byte> bytes);
 
 // Reads a chunk, checks its checksum and decompresses it if necessary. Not for BRCK and FOGB.
-Result<void> readChunk(const Source& source, const Pack::ChunkInfo& chunk, const Limits& limits,
+Result<void> readChunk(const Source& source, const Pack::ChunkInfo& chunk, const PackLimits& limits,
                        Buffer<std::byte>& out, const Allocator& allocator);
 
 // Moves the offset of an error from the chunk to the file. Bytes in a compressed chunk have no place in the
@@ -42,7 +42,7 @@ struct MetadataChunks {
 };
 // Finds the metadata chunks and checks their order. kLimit if together they are larger than the limits
 // allow.
-Result<MetadataChunks> findMetadata(std::span<const Pack::ChunkInfo> chunks, const Limits& limits);
+Result<MetadataChunks> findMetadata(std::span<const Pack::ChunkInfo> chunks, const PackLimits& limits);
 
 // Index of the GRID chunk of every level of every part: grids[first[part] + level]. bricks has the index of
 // its BRCK or FOGB chunk.

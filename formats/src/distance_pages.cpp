@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "coding_libraries.h"
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 #include "layout.h"
 #include "voxels.h"
 

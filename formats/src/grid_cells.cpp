@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
+#include "kelp/formats/level.h"
 #include "morton_walk.h"
 #include "voxels.h"
 

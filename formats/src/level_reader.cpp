@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 
 namespace kelp {
 

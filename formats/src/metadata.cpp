@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "kelp/formats/brick.h"
 #include "kelp/formats/sweep.h"
 #include "record_reader.h"
 
@@ -22,7 +23,7 @@ bool isInvertible(const glm::mat4x3& m) {
   return isFinite(m) && std::isfinite(determinant) && determinant != 0.0;
 }
 
-Result<void> readPart(RecordReader& in, std::uint32_t index, const Limits& limits, Part& part) {
+Result<void> readPart(RecordReader& in, std::uint32_t index, const PackLimits& limits, Part& part) {
   const std::size_t at = in.at();
   part.parent = in.take<std::int32_t>();
   const std::uint8_t kind = in.take<std::uint8_t>();
@@ -99,7 +100,7 @@ Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out) {
   return {};
 }
 
-Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, Metadata& out) {
+Result<void> parseParts(std::span<const std::byte> chunk, const PackLimits& limits, Metadata& out) {
   if (chunk.size() < layout::kPartHeader) return corrupt("the part table is too short", 0);
   RecordReader in(chunk);
   const std::uint32_t count = in.u32();

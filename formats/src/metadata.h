@@ -66,7 +66,7 @@ struct Metadata {
 };
 
 Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out);
-Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, Metadata& out);
+Result<void> parseParts(std::span<const std::byte> chunk, const PackLimits& limits, Metadata& out);
 Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out);
 // Call it after parseParts. `chunk` is empty if the file has no FOGS. There must be a table if a part is
 // fog, and only then.

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "container.h"
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 #include "layout.h"
 #include "metadata.h"
 #include "voxels.h"
@@ -12,7 +12,7 @@
 namespace kelp {
 
 struct Pack::Impl {
-  Impl(const Source& from, const Limits& at_most, const Allocator& memory)
+  Impl(const Source& from, const PackLimits& at_most, const Allocator& memory)
       : source(from),
         limits(at_most),
         allocator(memory),
@@ -28,7 +28,7 @@ struct Pack::Impl {
   Impl& operator=(const Impl&) = delete;
 
   Source source;
-  Limits limits;
+  PackLimits limits;
   Allocator allocator;
   Container container;
   Metadata metadata;
@@ -94,7 +94,7 @@ Pack::Pack(Pack&&) noexcept = default;
 Pack& Pack::operator=(Pack&&) noexcept = default;
 Pack::~Pack() = default;
 
-Result<Pack> Pack::open(const Source& source, const Limits& limits, const Allocator& allocator) {
+Result<Pack> Pack::open(const Source& source, const PackLimits& limits, const Allocator& allocator) {
   if (!allocator.allocate || !allocator.deallocate)
     return Error{ErrorCode::kMisuse, "the allocator lacks a function"};
   std::unique_ptr<Impl> impl(new (std::nothrow) Impl(source, limits, allocator));

@@ -8,6 +8,7 @@
 
 #include "coding_libraries.h"
 #include "kelp/formats/fog.h"
+#include "kelp/formats/page.h"
 #include "kelp/formats/raw_pack.h"
 #include "layout.h"
 #include "metadata.h"
@@ -69,7 +70,7 @@ class Writer {
   Result<void> packMetadata() {
     chunks_.reset(new (std::nothrow) ChunkPlan[kMetadataChunks + 2 * (levels_ + distance_levels_)]);
     if (!chunks_) return kNoMemory;
-    Limits limits;
+    PackLimits limits;
     limits.max_side = layout::kMaxSide;
     limits.max_parts = std::numeric_limits<std::uint32_t>::max();
     Metadata parsed(Allocator(), std::numeric_limits<std::uint64_t>::max());

@@ -7,6 +7,7 @@
 
 #include "eight_codes.h"
 #include "kelp/formats/empty_boxes.h"
+#include "kelp/formats/level.h"
 
 namespace kelp {
 namespace {
@@ -111,10 +112,11 @@ class Surroundings {
 
 }  // namespace
 
-bool PagesAbove::make(const LevelGrid& grid, const LevelGrid& over) {
+Result<void> PagesAbove::make(const LevelGrid& grid, const LevelGrid& over) {
   // Counts, then fills. A page is listed once: `last` has the page of the level that listed it last.
   Buffer<std::uint32_t> last(pages.allocator());
-  if (!last.reset(over.pages.size()) || !first.reset(grid.pages.size() + 1)) return false;
+  if (!last.reset(over.pages.size()) || !first.reset(grid.pages.size() + 1))
+    return Error{ErrorCode::kOutOfMemory, "no memory for a level"};
   for (const bool fill : {false, true}) {
     std::fill(last.begin(), last.end(), ~0u);
     std::uint32_t count = 0;
@@ -131,9 +133,9 @@ bool PagesAbove::make(const LevelGrid& grid, const LevelGrid& over) {
       if (fill) std::sort(pages.begin() + begin, pages.begin() + count);
     }
     first[grid.pages.size()] = count;
-    if (!fill && !pages.reset(count)) return false;
+    if (!fill && !pages.reset(count)) return Error{ErrorCode::kOutOfMemory, "no memory for a level"};
   }
-  return true;
+  return {};
 }
 
 bool PagesAbove::isOver(const LevelGrid& grid, std::size_t page, const LevelGrid& above,

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 #include "page_codec.h"
 
 namespace kelp {

@@ -6,6 +6,7 @@
 
 #include "distance_pages.h"
 #include "kelp/formats/fog.h"
+#include "kelp/formats/page.h"
 #include "morton_walk.h"
 #include "voxels.h"
 

@@ -25,7 +25,7 @@ struct ChunkOrigin {
 
 class RigWriter {
  public:
-  RigWriter(const Source& source, const RawRigs& rigs, const Sink& sink, const Limits& limits)
+  RigWriter(const Source& source, const RawRigs& rigs, const Sink& sink, const PackLimits& limits)
       : source_(source), rigs_(rigs), sink_(sink), limits_(limits) {}
 
   Result<void> run() {
@@ -214,7 +214,7 @@ class RigWriter {
   const Source& source_;
   const RawRigs& rigs_;
   const Sink& sink_;
-  const Limits& limits_;
+  const PackLimits& limits_;
   Container container_{Allocator()};
   Metadata parsed_{Allocator(), limits_.max_metadata_bytes};
   Packed info_, knots_, clips_, sockets_;
@@ -226,7 +226,8 @@ class RigWriter {
 
 }  // namespace
 
-Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink, const Limits& limits) {
+Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink,
+                       const PackLimits& limits) {
   if (!sink.write) return Error{ErrorCode::kMisuse, "the sink has no write function"};
   return RigWriter(source, rigs, sink, limits).run();
 }

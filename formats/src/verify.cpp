@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/formats/verify.h"
+#include "kelp/formats/level.h"
 
 #include <algorithm>
 #include <array>
@@ -22,7 +23,7 @@ using ChunkInfo = Pack::ChunkInfo;
 
 class Verifier {
  public:
-  Verifier(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue),
+  Verifier(const Source& source, const PackLimits& limits, void (*report)(void* user, const Issue& issue),
            void* user, const Allocator& allocator, int threads)
       : source_(source),
         limits_(limits),
@@ -338,7 +339,7 @@ class Verifier {
   };
 
   const Source& source_;
-  const Limits& limits_;
+  const PackLimits& limits_;
   void (*const report_)(void* user, const Issue& issue);
   void* const user_;
   const Allocator& allocator_;
@@ -359,7 +360,7 @@ class Verifier {
 
 }  // namespace
 
-std::uint64_t verify(const Source& source, const Limits& limits,
+std::uint64_t verify(const Source& source, const PackLimits& limits,
                      void (*report)(void* user, const Issue& issue), void* user, const Allocator& allocator,
                      int threads) {
   if (!allocator.allocate || !allocator.deallocate) {

@@ -10,6 +10,7 @@
 #include "distance_pages.h"
 #include "kelp/formats/empty_boxes.h"
 #include "kelp/formats/fog.h"
+#include "kelp/formats/level.h"
 #include "layout.h"
 #include "morton_walk.h"
 #include "page_codec.h"
@@ -144,8 +145,8 @@ Result<void> parsePages(std::span<const std::byte> chunk, std::uint64_t table_at
 }
 
 Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk,
-                                const Pack::ChunkInfo& bricks, const Lattice& lattice, const Limits& limits,
-                                const Allocator& allocator) {
+                                const Pack::ChunkInfo& bricks, const Lattice& lattice,
+                                const PackLimits& limits, const Allocator& allocator) {
   // Checked before memory is allocated: the chunk has all cells, and no more pages than bricks or than the
   // stored bytes can hold.
   const GridPlaces at(lattice);

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 
 namespace kelp {
 
@@ -53,8 +53,8 @@ Result<void> parsePages(std::span<const std::byte> chunk, std::uint64_t table_at
 
 // Reads, checks and decodes the grid of a level. The offset of an error is that in the file.
 Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk,
-                                const Pack::ChunkInfo& bricks, const Lattice& lattice, const Limits& limits,
-                                const Allocator& allocator);
+                                const Pack::ChunkInfo& bricks, const Lattice& lattice,
+                                const PackLimits& limits, const Allocator& allocator);
 
 // True if the page's numbers are possible; then its memory is bounded.
 bool isPossiblePage(const PageInfo& page);

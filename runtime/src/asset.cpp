@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "asset_impl.h"
+#include "kelp/runtime/level.h"
 
 namespace kelp::runtime {
 
@@ -67,7 +68,7 @@ void Asset::Impl::addLevels(bool distances) {
   for (int level = deepest - 1; level >= 0; --level) {
     for (int part = 0; part < parts; ++part) {
       const int last = levelsOf(part, distances) - 1;
-      if (level > last || (distances && level < std::min(options.distance_level, last))) continue;
+      if (level > last || (distances && level < std::min(*options.distance_level, last))) continue;
       const auto index = static_cast<std::uint32_t>(state_count++);
       LevelState& state = states[index];
       state.part = part;
@@ -256,7 +257,7 @@ Asset::~Asset() {
   life_->letGo();
 }
 
-Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& options) {
+Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const AssetOptions& options) {
   Result<Pack> pack = Pack::open(source, options.limits, options.allocator);
   if (!pack) return pack.error();
   std::unique_ptr<Impl> impl(new (std::nothrow) Impl(*std::move(pack), options));
@@ -277,7 +278,7 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& 
   return asset;
 }
 
-Result<std::unique_ptr<Asset>> Asset::open(const char* path, const Options& options) {
+Result<std::unique_ptr<Asset>> Asset::open(const char* path, const AssetOptions& options) {
   const Result<FileSource> file = FileSource::open(path);
   if (!file) return file.error();
   return open(file->source(), options);
@@ -339,9 +340,9 @@ const Level* Asset::distances(int part, int level) const {
 
 bool Asset::loadsDistances() const { return impl_->state_count > impl_->voxel_count; }
 
-int Asset::residentLevel(int part, int wanted) const {
-  if (part < 0 || static_cast<std::size_t>(part) >= impl_->pack.parts().size()) return -1;
-  if (impl_->pack.parts()[static_cast<std::size_t>(part)].kind == PartKind::kEmpty) return -1;
+std::optional<int> Asset::residentLevel(int part, int wanted) const {
+  if (part < 0 || static_cast<std::size_t>(part) >= impl_->pack.parts().size()) return std::nullopt;
+  if (impl_->pack.parts()[static_cast<std::size_t>(part)].kind == PartKind::kEmpty) return std::nullopt;
   const auto whole = [&](int level) {
     const LevelState* state = impl_->find(part, level);
     return state->ready.load(std::memory_order_acquire) &&
@@ -355,7 +356,7 @@ int Asset::residentLevel(int part, int wanted) const {
   for (int l = from - 1; l >= 0; --l) {
     if (whole(l)) return l;
   }
-  return -1;
+  return std::nullopt;
 }
 
 std::uint64_t Asset::memory() const { return impl_->used_bytes.load(std::memory_order_relaxed); }

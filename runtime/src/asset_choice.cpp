@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "asset_impl.h"
+#include "kelp/formats/level.h"
 
 namespace kelp::runtime {
 

@@ -7,6 +7,8 @@
 #include <shared_mutex>
 
 #include "absent_name.h"
+#include "kelp/formats/page.h"
+#include "kelp/runtime/level.h"
 #include "kelp/simd/clip_tables.h"
 #include "level.h"
 
@@ -34,7 +36,7 @@ struct Asset::Life {
 };
 
 struct Asset::Impl {
-  Impl(Pack&& opened, const Options& given)
+  Impl(Pack&& opened, const AssetOptions& given)
       : pack(std::move(opened)),
         options(given),
         clips(given.allocator),
@@ -115,7 +117,7 @@ struct Asset::Impl {
   Result<void> load(const Task& task, Scratch*& memory);
 
   Pack pack;
-  Options options;
+  AssetOptions options;
   simd::ClipTables clips;
   AbsentName absent_clip, absent_socket;
   // In the order of loading: voxels, then distances, each coarse to fine, then by part.
@@ -165,20 +167,20 @@ struct Asset::Impl {
 
 // Access for addClip().
 struct ClipReader {
-  static const simd::ClipTables& tables(const Asset& asset) { return asset.impl_->clips; }
+  static const simd::ClipTables& tables(const Asset& asset) { return asset.impl().clips; }
 };
 
 // Access for findClip() and findSocket().
 struct NameReader {
-  static Error absentClip(const Asset& asset) { return asset.impl_->absent_clip.error(); }
-  static Error absentSocket(const Asset& asset) { return asset.impl_->absent_socket.error(); }
+  static Error absentClip(const Asset& asset) { return asset.impl().absent_clip.error(); }
+  static Error absentSocket(const Asset& asset) { return asset.impl().absent_socket.error(); }
 };
 
 // Access to distances for queries, without a search.
 struct DistanceReader {
   // The level of distances of a part that exists, if it is in memory.
   static const Level* level(const Asset& asset, int part, int level) {
-    const LevelState* const state = asset.impl_->find(part, level, true);
+    const LevelState* const state = asset.impl().find(part, level, true);
     return state && state->ready.load(std::memory_order_acquire) ? &state->data : nullptr;
   }
   // The ErrorCode because of which none of the part's levels will be in memory before Asset::retry(). 0: one
@@ -186,7 +188,7 @@ struct DistanceReader {
   static std::uint16_t failure(const Asset& asset, int part) {
     std::uint16_t failure = 0;
     for (int level = 0; level < levels(asset, part); ++level) {
-      const LevelState* const state = asset.impl_->find(part, level, true);
+      const LevelState* const state = asset.impl().find(part, level, true);
       if (!state) continue;
       failure = state->failure.load(std::memory_order_relaxed);
       if (failure == 0) return 0;
@@ -195,7 +197,7 @@ struct DistanceReader {
   }
   // How many levels there may be; 0: none of them is loaded.
   static int levels(const Asset& asset, int part) {
-    const Asset::Impl& impl = *asset.impl_;
+    const Asset::Impl& impl = asset.impl();
     return impl.state_count > impl.voxel_count ? impl.levelsOf(part, true) : 0;
   }
 };
@@ -204,7 +206,7 @@ struct DistanceReader {
 class PageReader {
  public:
   explicit PageReader(const Asset& asset)
-      : impl_(*asset.impl_), lock_(asset.impl_->readers), now_(impl_.round.load(std::memory_order_relaxed)) {}
+      : impl_(asset.impl()), lock_(asset.impl().readers), now_(impl_.round.load(std::memory_order_relaxed)) {}
 
   const LevelState* level(int part, int level) const {
     const LevelState* state = impl_.find(part, level);

@@ -19,7 +19,7 @@ Result<bool> checkInstance(const Instance& instance) {
   if (!asset.pack().hasDistances()) return Error{ErrorCode::kUnsupportedFeature, "the pack has no distances"};
   const auto parts = static_cast<int>(asset.pack().parts().size());
   if (!asset.loadsDistances())
-    return Error{ErrorCode::kMisuse, "the asset was opened without Options::distance_level"};
+    return Error{ErrorCode::kMisuse, "the asset was opened without AssetOptions::distance_level"};
   for (int part = 0; part < parts; ++part) {
     const int levels = DistanceReader::levels(asset, part);
     int level = levels - 1;

@@ -5,6 +5,7 @@
 #include <new>
 
 #include "kelp/formats/fog.h"
+#include "kelp/formats/level.h"
 
 namespace kelp::runtime {
 namespace {

@@ -28,7 +28,9 @@
 #include <atomic>
 #include <cstdint>
 
+#include "kelp/formats/level.h"
 #include "kelp/runtime/asset.h"
+#include "kelp/runtime/level.h"
 
 namespace kelp::runtime {
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/streaming/page_access.h"
+#include "kelp/formats/page.h"
+#include "kelp/runtime/level.h"
 
 #include <algorithm>
 #include <mutex>
@@ -9,7 +11,7 @@
 
 namespace kelp::runtime {
 
-AssetWatch::AssetWatch(const Asset& asset) : life_(asset.life_) { life_->hold(); }
+AssetWatch::AssetWatch(const Asset& asset) : life_(asset.life()) { life_->hold(); }
 AssetWatch::AssetWatch(const AssetWatch& other) : life_(other.life_) {
   if (life_) life_->hold();
 }
@@ -24,8 +26,8 @@ AssetWatch::~AssetWatch() {
 bool AssetWatch::alive() const { return life_ && life_->alive.load(std::memory_order_acquire); }
 
 void PageAccess::beginRequests(const Asset& asset) {
-  asset.impl_->driven.store(true, std::memory_order_relaxed);
-  asset.impl_->round.fetch_add(1, std::memory_order_relaxed);
+  asset.impl().driven.store(true, std::memory_order_relaxed);
+  asset.impl().round.fetch_add(1, std::memory_order_relaxed);
 }
 
 const Level* PageAccess::level(const Asset& asset, const LevelId& id) {
@@ -33,21 +35,21 @@ const Level* PageAccess::level(const Asset& asset, const LevelId& id) {
 }
 
 void PageAccess::request(const Asset& asset, const LevelId& id, float urgency) {
-  if (LevelState* state = asset.impl_->find(id.part, id.level, id.distances))
-    asset.impl_->ask(*state, urgency, asset.impl_->round.load(std::memory_order_relaxed));
+  if (LevelState* state = asset.impl().find(id.part, id.level, id.distances))
+    asset.impl().ask(*state, urgency, asset.impl().round.load(std::memory_order_relaxed));
 }
 
 PinnedPage PageAccess::pin(const Asset& asset, const LevelId& id, std::uint32_t page, float urgency) {
   PinnedPage pinned;
-  LevelState* state = asset.impl_->find(id.part, id.level, id.distances);
+  LevelState* state = asset.impl().find(id.part, id.level, id.distances);
   if (!state || !state->ready.load(std::memory_order_acquire) || page >= state->data.pages.size())
     return pinned;
   PageSlot& slot = state->pages[page];
-  const std::uint32_t now = asset.impl_->round.load(std::memory_order_relaxed);
-  const std::shared_lock lock(asset.impl_->readers);
+  const std::uint32_t now = asset.impl().round.load(std::memory_order_relaxed);
+  const std::shared_lock lock(asset.impl().readers);
   const std::uint32_t* words = slot.words.load(std::memory_order_acquire);
   if (!words) {
-    asset.impl_->ask(*state, page, urgency, now);
+    asset.impl().ask(*state, page, urgency, now);
     return pinned;
   }
   slot.used.store(now, std::memory_order_relaxed);
@@ -58,12 +60,12 @@ PinnedPage PageAccess::pin(const Asset& asset, const LevelId& id, std::uint32_t 
 }
 
 bool PageAccess::hasFailed(const Asset& asset, const LevelId& id) {
-  const LevelState* state = asset.impl_->find(id.part, id.level, id.distances);
+  const LevelState* state = asset.impl().find(id.part, id.level, id.distances);
   return !state || state->failure.load(std::memory_order_relaxed) != 0;
 }
 
 bool PageAccess::hasFailed(const Asset& asset, const LevelId& id, std::uint32_t page) {
-  const LevelState* state = asset.impl_->find(id.part, id.level, id.distances);
+  const LevelState* state = asset.impl().find(id.part, id.level, id.distances);
   return state && state->ready.load(std::memory_order_acquire) && page < state->data.pages.size() &&
          state->pages[page].failed.load(std::memory_order_relaxed);
 }

@@ -5,7 +5,9 @@
 #include <glm/glm.hpp>
 
 #include "asset_impl.h"
+#include "kelp/formats/page.h"
 #include "kelp/runtime/instance.h"
+#include "kelp/runtime/level.h"
 #include "kelp/simd/bound_knots.h"
 #include "posed_part.h"
 

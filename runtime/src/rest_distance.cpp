@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "rest_distance.h"
+#include "kelp/formats/distance.h"
+#include "kelp/runtime/level.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,9 @@
 
 #include <glm/glm.hpp>
 
+#include "kelp/formats/brick.h"
 #include "kelp/runtime/asset.h"
+#include "kelp/runtime/level.h"
 
 namespace kelp::runtime {
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "asset_impl.h"
+#include "kelp/formats/distance.h"
+#include "kelp/runtime/level.h"
 #include "posed_solid.h"
 #include "rest_distance.h"
 

@@ -85,7 +85,7 @@ static int run(SDL_Window* window, const char* path, int frames, const char* pic
     const auto time = std::filesystem::last_write_time(path, absent);
     if (!absent && std::exchange(written, time) != time) next = grow(path, **renderer);
     const bool complete = (*renderer)->upload(4 << 20).value().pending == 0;  // the rest of next is, too
-    if (next && complete && next->asset->residentLevel(0) >= 0)
+    if (next && complete && next->asset->residentLevel(0))
       meadow = std::move(next), say(path, "the new pack is shown", 0);
     for (SDL_Event event; SDL_PollEvent(&event);) {
       if (event.type == SDL_QUIT) return 0;

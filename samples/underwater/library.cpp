@@ -13,8 +13,8 @@ kelp::Result<std::unique_ptr<Library>> Library::open(const std::string& folder, 
     wrong = library->paths_[i] = folder + "/" + kNames[i] + ".kelp";
     // Fish keep clear of plants; nobody asks how far the fish are.
     const bool solid = i <= static_cast<std::size_t>(Species::kDulse);
-    kelp::runtime::Options options;
-    options.distance_level = solid ? 0 : -1;
+    kelp::runtime::AssetOptions options;
+    if (solid) options.distance_level = 0;
     auto asset = kelp::runtime::Asset::open(wrong.c_str(), options);
     if (!asset) return asset.error();
     library->assets_[i] = *std::move(asset);

@@ -17,7 +17,7 @@
 #include "../fields/volumes.h"
 #include "bench_bake_peers.h"
 #include "coding_libraries.h"
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 #include "support/scratch.h"
 
 namespace kelp::bench {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What is in a pack.
 #include "both.h"
+#include "kelp/runtime/level.h"
 
 namespace kelp::test {
 namespace {
@@ -151,7 +152,7 @@ TEST(CContents, Levels) {
     EXPECT_EQ(0, std::memcmp(level.cells, expected.cells.data(), expected.cells.size_bytes()));
     std::int32_t resident = -9;
     ASSERT_KELP(kelp_asset_resident_level(assets.c, 0, i, &resident));
-    EXPECT_EQ(assets.cpp->residentLevel(0, i), resident);
+    EXPECT_EQ(assets.cpp->residentLevel(0, i).value_or(KELP_NONE), resident);
   }
   for (int i = 0; i < 3; ++i) {
     auto level = sized<kelp_distance_level>();

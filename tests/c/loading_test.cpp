@@ -111,8 +111,8 @@ TEST(CLoading, EveryWayToOpenGivesTheSame) {
 TEST(CLoading, DefaultsAreThoseOfCpp) {
   auto options = sized<kelp_asset_options>();
   ASSERT_KELP(kelp_asset_options_defaults(&options));
-  const runtime::Options expected;
-  EXPECT_EQ(expected.distance_level, options.distance_level);
+  const runtime::AssetOptions expected;
+  EXPECT_EQ(expected.distance_level.value_or(KELP_NONE), options.distance_level);
   EXPECT_EQ(expected.memory_budget, options.memory_budget);
   EXPECT_EQ(expected.limits.max_decoded_bytes, options.max_decoded_bytes);
   EXPECT_EQ(expected.limits.max_metadata_bytes, options.max_metadata_bytes);

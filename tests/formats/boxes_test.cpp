@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kelp/formats/empty_boxes.h"
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 #include "support/random_pack.h"
 
 namespace kelp {

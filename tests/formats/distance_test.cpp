@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "kelp/formats/level.h"
 #include "kelp/formats/verify.h"
 #include "lying_pack.h"
 #include "support/all_tests.h"

@@ -2,7 +2,7 @@
 // Every small fault of a pack of a few kilobytes: all 255 other values of every byte, every length, every two
 // chunks of the index exchanged, and every byte of what the chunks hold changed under checksums that are
 // right. Each is refused, or reads as the same content, or, under right checksums, as other content that
-// keeps the rules; in memory that Limits and the file's size bound.
+// keeps the rules; in memory that PackLimits and the file's size bound.
 #include <gtest/gtest.h>
 
 #include <span>
@@ -42,7 +42,7 @@ const Bytes& specimenBytes() {
 }
 
 // Little more than the specimen needs.
-constexpr Limits kLimits{16 << 10, 64, 8, 16 << 10};
+constexpr PackLimits kLimits{16 << 10, 64, 8, 16 << 10};
 
 enum class Outcome { kRefused, kSame, kOther };
 Outcome tryPack(const Bytes& bytes) {

@@ -29,7 +29,7 @@ const Bytes& fogBytes() {
   return bytes;
 }
 
-Reading readFog(const Bytes& bytes, const Limits& limits = {}) {
+Reading readFog(const Bytes& bytes, const PackLimits& limits = {}) {
   return test::readAll(fogPack(), bytes, limits);
 }
 
@@ -262,7 +262,7 @@ TEST(FogHostile, EveryChangedByteIsFoundByVerifyAndRefusedOrHarmlessToTheReader)
 }
 
 TEST(FogHostile, LimitsAreObeyed) {
-  const auto refusal = [](const Limits& limits) {
+  const auto refusal = [](const PackLimits& limits) {
     const Reading reading = readFog(fogBytes(), limits);
     return reading.error ? reading.error->code : ErrorCode::kMisuse;
   };

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "kelp/formats/level.h"
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "support/random_pack.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 #include "kelp/formats/verify.h"
 #include "lying_pack.h"
 #include "support/short_memory.h"
@@ -21,11 +21,11 @@ using test::Reading;
 using test::set;
 using test::tinyBytes;
 
-Reading readTiny(const Bytes& bytes, const Limits& limits = {}) {
+Reading readTiny(const Bytes& bytes, const PackLimits& limits = {}) {
   return test::readAll(test::tinyPack(), bytes, limits);
 }
 
-void expectError(const Bytes& bytes, ErrorCode code, const Limits& limits = {}) {
+void expectError(const Bytes& bytes, ErrorCode code, const PackLimits& limits = {}) {
   test::expectRefused(readTiny(bytes, limits), bytes, code);
 }
 
@@ -134,7 +134,7 @@ TEST(Hostile, UnknownChunksAreSkippedUnlessRequired) {
 }
 
 TEST(Hostile, LimitsAreObeyed) {
-  Limits limits;
+  PackLimits limits;
   limits.max_side = 23;  // the stem is 24 high
   expectError(tinyBytes(), ErrorCode::kLimit, limits);
   limits = {};

@@ -29,7 +29,7 @@ struct Reading {
 };
 
 // Reads everything a pack has.
-inline Reading readAll(const RawPack& written, const Source& source, const Limits& limits = {},
+inline Reading readAll(const RawPack& written, const Source& source, const PackLimits& limits = {},
                        const Allocator& allocator = {}) {
   const Result<Pack> pack = Pack::open(source, limits, allocator);
   if (!pack) return {pack.error()};
@@ -38,7 +38,7 @@ inline Reading readAll(const RawPack& written, const Source& source, const Limit
   return {std::nullopt, result.equal};
 }
 
-inline Reading readAll(const RawPack& written, const Bytes& bytes, const Limits& limits = {}) {
+inline Reading readAll(const RawPack& written, const Bytes& bytes, const PackLimits& limits = {}) {
   const Bytes copy(bytes);  // a block of exactly this size, so that a sanitizer sees reads beyond it
   MemorySource memory(copy);
   return readAll(written, memory.source(), limits);

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 #include "kelp/formats/raw_level.h"
 #include "support/without_boxes.h"
 

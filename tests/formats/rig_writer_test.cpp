@@ -144,7 +144,7 @@ TEST(RigWriter, WhatIsWrittenOpensWithinTheSameLimits) {
   const Bytes bytes = test::writeToMemory(pack);
   int written = 0, refused = 0;
   for (std::uint64_t most = 1000; most < 60000; most += 50) {
-    Limits limits;
+    PackLimits limits;
     limits.max_metadata_bytes = most;
     MemorySource source(bytes);
     if (!Pack::open(source.source(), limits)) continue;

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <thread>
 
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 #include "pack_compare.h"
 #include "support/random_pack.h"
 #include "support/straight_knots.h"

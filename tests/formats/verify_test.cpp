@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/formats/verify.h"
+#include "kelp/formats/level.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +23,7 @@ using test::PackSurgeon;
 using test::set;
 
 // The issues, which are the same on any number of threads.
-std::vector<Issue> issuesOf(const Bytes& bytes, const Limits& limits = {}) {
+std::vector<Issue> issuesOf(const Bytes& bytes, const PackLimits& limits = {}) {
   std::vector<Issue> issues, on_one;
   MemorySource memory(bytes);
   const auto keep = [](void* user, const Issue& issue) {
@@ -247,7 +248,7 @@ TEST(Verify, NamesEveryPageThatIsWrongInOrder) {
 }
 
 TEST(Verify, LimitsAndUnreadableSourcesAreIssuesToo) {
-  Limits limits;
+  PackLimits limits;
   limits.max_side = 10;
   EXPECT_EQ(idsOf(issuesOf(tiny().build(), limits)), Ids{IssueId::kMetadata});
   Source source;

@@ -8,6 +8,7 @@
 
 #include "exercise_renderer.h"
 #include "input_folder.h"
+#include "kelp/formats/level.h"
 #include "kelp/formats/verify.h"
 #include "kelp/runtime/distance.h"
 #include "kelp/runtime/instance.h"
@@ -125,7 +126,7 @@ void exercisePack(std::span<const std::byte> bytes) {
   for (const std::byte byte : bytes) choice = (choice ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3u;
   choice >>= 16;
 
-  Limits limits;
+  PackLimits limits;
   limits.max_decoded_bytes = std::uint64_t{64} << 20;
   limits.max_side = 1024;
   limits.max_parts = 64;
@@ -158,9 +159,10 @@ void exercisePack(std::span<const std::byte> bytes) {
   }
   // One input in four is drawn: of these some while they are loaded, some in too little memory.
   const bool is_drawn = (choice >> 22) % 4 == 0, is_streamed = is_drawn && (choice >> 24) % 2 == 0;
-  runtime::Options options{limits, allocator};
+  runtime::AssetOptions options{limits, allocator};
   if (is_drawn && (choice >> 25) % 4 == 0) options.memory_budget = 2048 * (1 + (choice >> 27) % 8);
-  options.distance_level = static_cast<int>((choice >> 32) % 4) - 1;  // none, all, or without the finest
+  // None, all, or without the finest.
+  if (const int level = static_cast<int>((choice >> 32) % 4) - 1; level >= 0) options.distance_level = level;
   auto asset = runtime::Asset::open(source, options);
   // Where something did not load, the rest answers.
   if (asset && !is_streamed && ((*asset)->loadAll() || (choice >> 34) % 4 == 0))

@@ -9,7 +9,9 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "kelp/formats/page.h"
 #include "kelp/gl/renderer.h"
+#include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 #include "support/fake_gl.h"
 

@@ -329,7 +329,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   MemorySource memory(bytes);
-  Limits limits;
+  PackLimits limits;
   limits.max_side = 40000;  // the format's limit
   verify(
       memory.source(), limits,

@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include "kelp/formats/level.h"
 #include "kelp/streaming/page_access.h"
 #include "streamed.h"
 

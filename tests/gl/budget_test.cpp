@@ -14,7 +14,7 @@ using runtime::Instance;
 
 // Some reeds of several kinds in rows, in the wind.
 struct Meadow {
-  Meadow(int kinds, int count, int height, const runtime::Options& options = {}) {
+  Meadow(int kinds, int count, int height, const runtime::AssetOptions& options = {}) {
     for (int kind = 0; kind < kinds; ++kind) {
       sources.push_back(std::make_unique<HostSource>(
           bytesOf(packOf(reed(height + 16 * kind, static_cast<unsigned>(kind + 1))))));
@@ -226,7 +226,7 @@ TEST_F(Residents, SettleInAQuarterOfTheMemoryToo) {
     ASSERT_TRUE(meadow.assets[0]->loadAll());
     all = meadow.assets[0]->memory();
   }
-  runtime::Options options;
+  runtime::AssetOptions options;
   options.memory_budget = all / 4;
   Meadow meadow(3, 12, 320, options);
   for (const std::uint64_t budget : {meadow.gpuBytes() / 4, 2 * meadow.gpuBytes()}) {

@@ -46,7 +46,7 @@ std::vector<float> Canvas::depths() const {
   return out;
 }
 
-LoadedAsset::LoadedAsset(const RawPack& pack, const runtime::Options& options)
+LoadedAsset::LoadedAsset(const RawPack& pack, const runtime::AssetOptions& options)
     : bytes(bytesOf(pack)), source(bytes) {
   auto opened = runtime::Asset::open(source.source(), options);
   if (!opened || !(*opened)->loadAll()) {

@@ -49,7 +49,7 @@ class Canvas {
 
 // An asset in memory, complete.
 struct LoadedAsset {
-  explicit LoadedAsset(const RawPack& pack, const runtime::Options& options = {});
+  explicit LoadedAsset(const RawPack& pack, const runtime::AssetOptions& options = {});
   std::vector<std::byte> bytes;
   MemorySource source;
   std::unique_ptr<runtime::Asset> asset;

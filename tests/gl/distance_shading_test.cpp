@@ -21,8 +21,8 @@ namespace {
 
 using runtime::Instance;
 
-runtime::Options loadDistances(int level = 0) {
-  runtime::Options options;
+runtime::AssetOptions loadDistances(int level = 0) {
+  runtime::AssetOptions options;
   options.distance_level = level;
   return options;
 }

@@ -3,6 +3,8 @@
 // walk in double precision through a volume that is put together voxel by voxel, with random pages missing.
 #include <random>
 
+#include "kelp/formats/level.h"
+#include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 #include "reference/judge.h"
 #include "reference/sweep_truth.h"

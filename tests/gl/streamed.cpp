@@ -37,7 +37,7 @@ Read HostSource::read(void* user, std::uint64_t offset, std::span<std::byte> out
   return Read::kDone;
 }
 
-std::unique_ptr<runtime::Asset> openAsset(HostSource& source, const runtime::Options& options) {
+std::unique_ptr<runtime::Asset> openAsset(HostSource& source, const runtime::AssetOptions& options) {
   auto opened = runtime::Asset::open(source.source(), options);
   if (!opened) {
     ADD_FAILURE() << opened.error().detail;

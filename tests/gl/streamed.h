@@ -32,7 +32,7 @@ class HostSource {
 };
 
 // Opens it; aborts if it does not open.
-std::unique_ptr<runtime::Asset> openAsset(HostSource& source, const runtime::Options& options = {});
+std::unique_ptr<runtime::Asset> openAsset(HostSource& source, const runtime::AssetOptions& options = {});
 // pump() until it answers false; errors are counted.
 int pumpAll(runtime::Asset& asset);
 

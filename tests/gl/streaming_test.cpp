@@ -5,6 +5,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "kelp/formats/page.h"
+#include "kelp/runtime/level.h"
 #include "streamed.h"
 #include "support/assets.h"
 #include "support/scratch.h"

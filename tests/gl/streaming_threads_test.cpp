@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 #include "streamed.h"
 #include "support/voxel_points.h"
@@ -22,7 +23,7 @@ class StreamingThreadsTest : public GlTest {
     const auto whole = openAsset(source);
     ASSERT_TRUE(whole->loadAll());
     const std::uint64_t memory_budget = whole->memory() / static_cast<std::uint64_t>(part);
-    runtime::Options options;
+    runtime::AssetOptions options;
     options.memory_budget = memory_budget;
     // Large blocks that were let go while the asset lived: pages that made room, and a few buffers that grew.
     std::atomic<long> dropped{0};

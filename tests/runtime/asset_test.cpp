@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/runtime/asset.h"
+#include "kelp/formats/page.h"
+#include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +61,7 @@ TEST(Asset, LoadsWhatWasWritten) {
   auto asset = Asset::open(source.source());
   ASSERT_TRUE(asset);
   EXPECT_EQ((*asset)->level(0, 0), nullptr) << "nothing is resident before pump()";
-  EXPECT_EQ((*asset)->residentLevel(0), -1);
+  EXPECT_EQ((*asset)->residentLevel(0), std::nullopt);
   ASSERT_TRUE((*asset)->loadAll());
   expectHolds(**asset, test::ballClump({70, 90, 60}, 30, 1));
   EXPECT_EQ((*asset)->residentLevel(0, 1), 1);
@@ -78,11 +80,10 @@ TEST(Asset, LevelsArriveCoarseToFine) {
     const Result<bool> more = (*asset)->pump();
     ASSERT_TRUE(more);
     if (!*more) break;
-    const int now = (*asset)->residentLevel(0);
-    if (now >= 0) {
-      EXPECT_LE(now, finest);
-      finest = now;
-      for (int l = now; l < (*asset)->pack().parts()[0].levels; ++l)
+    if (const std::optional<int> now = (*asset)->residentLevel(0)) {
+      EXPECT_LE(*now, finest);
+      finest = *now;
+      for (int l = *now; l < (*asset)->pack().parts()[0].levels; ++l)
         EXPECT_NE((*asset)->level(0, l), nullptr);
     }
   }
@@ -92,7 +93,7 @@ TEST(Asset, LevelsArriveCoarseToFine) {
 TEST(Asset, AnyNumberOfThreadsMayPump) {
   const std::vector<std::byte> bytes = fullBytes();
   MemorySource source(bytes);
-  Options options;
+  AssetOptions options;
   options.distance_level = 0;
   auto asset = Asset::open(source.source(), options);
   ASSERT_TRUE(asset);
@@ -171,7 +172,7 @@ TEST(Asset, AllocationFailureIsAnErrorEachTime) {
       test::ShortMemory memory;
       memory.refuse_at = n;
       memory.and_on = and_on;
-      Options options;
+      AssetOptions options;
       options.allocator = memory.allocator();
       options.distance_level = 0;
       {
@@ -200,7 +201,7 @@ TEST(Asset, KeepsToItsMemoryBudget) {
     return (*asset)->memory();
   }();
   for (const std::uint64_t budget : {all - 1, all / 2, all / 4}) {
-    Options options;
+    AssetOptions options;
     options.memory_budget = budget;
     auto asset = Asset::open(source.source(), options);
     ASSERT_TRUE(asset);
@@ -211,19 +212,19 @@ TEST(Asset, KeepsToItsMemoryBudget) {
     EXPECT_GT((*asset)->residentLevel(0), 0) << "the coarse levels fit";
     EXPECT_FALSE(*(*asset)->pump());
   }
-  Options none;
+  AssetOptions none;
   none.memory_budget = 100;
   auto asset = Asset::open(source.source(), none);
   ASSERT_TRUE(asset);
   EXPECT_EQ((*asset)->loadAll().error().code, ErrorCode::kLimit);
   EXPECT_LE((*asset)->memory(), none.memory_budget);
-  EXPECT_EQ((*asset)->residentLevel(0), -1);
+  EXPECT_EQ((*asset)->residentLevel(0), std::nullopt);
 }
 
 TEST(Asset, DropsWhatNobodyAskedForLately) {
   const std::vector<std::byte> bytes = test::bytesOf(test::packOf(test::dust({96, 96, 96}, 9, 4)));
   MemorySource source(bytes);
-  Options options;
+  AssetOptions options;
   options.memory_budget = 800'000;
   auto opened = Asset::open(source.source(), options);
   ASSERT_TRUE(opened);

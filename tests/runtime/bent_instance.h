@@ -19,7 +19,7 @@
 namespace kelp::test {
 
 inline std::unique_ptr<runtime::Asset> loadDistances(const MemorySource& source, int finest = 0) {
-  runtime::Options options;
+  runtime::AssetOptions options;
   options.distance_level = finest;
   auto asset = runtime::Asset::open(source.source(), options).value();
   EXPECT_TRUE(asset->loadAll());

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "kelp/runtime/asset.h"
+#include "kelp/runtime/level.h"
 #include "support/distance_pack.h"
 
 namespace kelp::runtime {
@@ -57,8 +58,8 @@ Watched watchDistances() {
   return {distancesBegin(*Pack::open(memory.source())), distanceBytes().size()};
 }
 
-Options withDistances(int level = 0) {
-  Options options;
+AssetOptions withDistances(int level = 0) {
+  AssetOptions options;
   options.distance_level = level;
   return options;
 }
@@ -136,7 +137,7 @@ TEST(DistanceLoading, StaysWithinTheBudget) {
   ASSERT_TRUE(all->loadAll());
   std::set<int> seen;
   for (int share = 1; share <= 40; ++share) {
-    Options options = withDistances();
+    AssetOptions options = withDistances();
     options.memory_budget = all->memory() * static_cast<std::uint64_t>(share) / 38;
     const auto asset = Asset::open(source.source(), options).value();
     for (int i = 0; i < 20; ++i) {  // rounds pass: what is idle goes, distances stay

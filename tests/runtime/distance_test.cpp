@@ -173,7 +173,7 @@ TEST_F(DistanceQuery, AnswersErrorsToNonsense) {
 
 TEST_F(DistanceQuery, SaysWhatIsMissing) {
   const glm::vec3 point(0);
-  Options options;
+  AssetOptions options;
   const auto unasked = Asset::open(source.source(), options).value();
   EXPECT_EQ(distance(Instance{unasked.get()}, point).error().code, ErrorCode::kMisuse);
   options.distance_level = 0;
@@ -200,7 +200,7 @@ TEST_F(DistanceQuery, SaysWhyDistancesDidNotLoad) {
       damaged[chunk.offset] ^= std::byte{1};
   }
   MemorySource damaged_source(damaged);
-  Options options;
+  AssetOptions options;
   options.distance_level = 0;
   const auto loaded = Asset::open(damaged_source.source(), options).value();
   EXPECT_EQ(distance(Instance{loaded.get()}, glm::vec3(0)).error().code, ErrorCode::kNotYet);

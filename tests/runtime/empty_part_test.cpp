@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "kelp/runtime/distance.h"
+#include "kelp/runtime/level.h"
 #include "loaded.h"
 #include "support/distance_pack.h"
 
@@ -32,7 +33,7 @@ RawPack hungOnNothing() {
 
 struct HungScene {
   explicit HungScene(const RawPack& pack) : bytes(test::bytesOf(pack)), source(bytes) {
-    Options options;
+    AssetOptions options;
     options.distance_level = 0;
     asset = *Asset::open(source.source(), options);
     EXPECT_TRUE(asset->loadAll());

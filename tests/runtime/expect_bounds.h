@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "bent_instance.h"
+#include "kelp/runtime/level.h"
 
 namespace kelp::test {
 

@@ -6,7 +6,8 @@
 #include <cstring>
 #include <vector>
 
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
+#include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 #include "loaded.h"
 #include "support/poses.h"

@@ -7,7 +7,9 @@
 #include <random>
 
 #include "../formats/pack_surgeon.h"
+#include "kelp/formats/page.h"
 #include "kelp/runtime/asset.h"
+#include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 #include "page_codec.h"
 #include "support/test_pack.h"

@@ -395,7 +395,7 @@ TEST_F(ShapeQuery, LyingDistancesHangNothing) {
     const Sink sink = Sink::into(lying);
     if (!writePack(pack, sink)) continue;
     MemorySource lying_source(lying);
-    Options options;
+    AssetOptions options;
     options.distance_level = 0;
     const auto loaded = Asset::open(lying_source.source(), options).value();
     if (!loaded->loadAll()) continue;

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "kelp/runtime/instance.h"
+#include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 #include "loaded.h"
 #include "support/edit_knots.h"
@@ -30,7 +31,7 @@ TEST(Query, RaysBringWhatTheyLackIntoAQuarterOfTheMemory) {
   const std::uint64_t all = memoryOfAll(dustBytes());
   Loaded whole(test::packOf(test::dust({128, 160, 128}, 40, 4)));
   MemorySource source(dustBytes());
-  Options options;
+  AssetOptions options;
   options.memory_budget = all / 4;
   auto opened = Asset::open(source.source(), options);
   ASSERT_TRUE(opened);
@@ -80,7 +81,7 @@ TEST(Query, RaysBringWhatTheyLackIntoAQuarterOfTheMemory) {
 TEST(Query, PinnedPagesStay) {
   const std::uint64_t all = memoryOfAll(dustBytes());
   MemorySource source(dustBytes());
-  Options options;
+  AssetOptions options;
   options.memory_budget = all / 2;
   auto opened = Asset::open(source.source(), options);
   ASSERT_TRUE(opened);
@@ -158,7 +159,7 @@ TEST(Query, WhatDoesNotFitHoldsUpNobody) {
     small = (*asset)->memory();
   }
   MemorySource source(bytes);
-  Options options;
+  AssetOptions options;
   options.memory_budget = small + 4096;
   auto opened = Asset::open(source.source(), options);
   ASSERT_TRUE(opened);

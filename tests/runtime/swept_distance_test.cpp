@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "expect_bounds.h"
+#include "kelp/runtime/level.h"
 #include "swept_instance.h"
 
 namespace kelp::runtime {

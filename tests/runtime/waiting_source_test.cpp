@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "kelp/formats/page.h"
 #include "kelp/runtime/instance.h"
+#include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 #include "loaded.h"
 #include "support/all_tests.h"
@@ -89,7 +91,7 @@ void expectSameVoxels(const Asset& asset, const Asset& truth) {
   }
 }
 
-std::unique_ptr<Asset> openSlowly(SlowSource& slow, const Options& options = {}) {
+std::unique_ptr<Asset> openSlowly(SlowSource& slow, const AssetOptions& options = {}) {
   for (int tick = 0; tick < 10'000; ++tick, slow.tick()) {
     auto opened = Asset::open(slow.source(), options);
     if (opened) return *std::move(opened);
@@ -209,7 +211,7 @@ TEST(WaitingSource, WhatWaitedForAnotherCallerIsAskedForAgain) {
 TEST(WaitingSource, RaysBringWhatTheyNeedInLittleMemory) {
   Loaded truth(test::packOf(test::dust({96, 128, 96}, 40, 4)));
   SlowSource slow(slowDustBytes(), 7, 5);
-  Options options;
+  AssetOptions options;
   options.memory_budget = truth.asset->memory() / 3;
   const std::unique_ptr<Asset> asset = openSlowly(slow, options);
   ASSERT_TRUE(asset);

@@ -5,7 +5,7 @@
 namespace kelp::c {
 namespace {
 
-kelp_result readOptions(const kelp_asset_options* from, runtime::Options& to) {
+kelp_result readOptions(const kelp_asset_options* from, runtime::AssetOptions& to) {
   if (!from) return KELP_OK;
   kelp_asset_options read;
   if (const kelp_result bad = readStruct(from, read)) return bad;
@@ -20,7 +20,7 @@ kelp_result readOptions(const kelp_asset_options* from, runtime::Options& to) {
 template <class Open>
 kelp_result openAsset(const kelp_asset_options* options, kelp_asset* asset, const kelp_source& source,
                       const Open& open) {
-  runtime::Options read;
+  runtime::AssetOptions read;
   if (const kelp_result bad = readOptions(options, read)) return bad;
   auto* const object = makeObject<AssetObject>(read.allocator);
   if (!object) return noMemory();
@@ -61,9 +61,9 @@ using namespace kelp::c;
 
 kelp_result kelp_asset_options_defaults(kelp_asset_options* options) {
   if (const kelp_result bad = checkStruct(options)) return bad;
-  const kelp::runtime::Options defaults;
+  const kelp::runtime::AssetOptions defaults;
   kelp_asset_options out = {};
-  out.distance_level = defaults.distance_level;
+  out.distance_level = defaults.distance_level.value_or(KELP_NONE);
   out.memory_budget = defaults.memory_budget;
   out.max_decoded_bytes = defaults.limits.max_decoded_bytes;
   out.max_metadata_bytes = defaults.limits.max_metadata_bytes;
@@ -77,7 +77,7 @@ kelp_result kelp_asset_open(const kelp_source* source, const kelp_asset_options*
   kelp_source read;
   if (const kelp_result bad = readStruct(source, read)) return bad;
   if (!read.read) return nullPointer();
-  return openAsset(options, asset, read, [](AssetObject& object, const kelp::runtime::Options& opening) {
+  return openAsset(options, asset, read, [](AssetObject& object, const kelp::runtime::AssetOptions& opening) {
     return kelp::runtime::Asset::open(
         {readFromHost, &object, object.source.size, acquireFromHost, releaseToHost}, opening);
   });
@@ -85,7 +85,7 @@ kelp_result kelp_asset_open(const kelp_source* source, const kelp_asset_options*
 
 kelp_result kelp_asset_open_file(const char* path, const kelp_asset_options* options, kelp_asset* asset) {
   if (!path || !asset) return nullPointer();
-  return openAsset(options, asset, {}, [path](AssetObject&, const kelp::runtime::Options& opening) {
+  return openAsset(options, asset, {}, [path](AssetObject&, const kelp::runtime::AssetOptions& opening) {
     return kelp::runtime::Asset::open(path, opening);
   });
 }
@@ -95,7 +95,7 @@ kelp_result kelp_asset_open_memory(const void* bytes, uint64_t size, const kelp_
   if (!bytes || !asset) return nullPointer();
   if (size > SIZE_MAX) return misuse("the size is larger than the memory");
   const kelp::MemorySource source({static_cast<const std::byte*>(bytes), static_cast<std::size_t>(size)});
-  return openAsset(options, asset, {}, [&source](AssetObject&, const kelp::runtime::Options& opening) {
+  return openAsset(options, asset, {}, [&source](AssetObject&, const kelp::runtime::AssetOptions& opening) {
     return kelp::runtime::Asset::open(source.source(), opening);
   });
 }
@@ -124,6 +124,6 @@ kelp_result kelp_asset_resident_level(kelp_asset asset, int32_t part, int32_t wa
   const Pinned<AssetObject> object(asset.id);
   if (!object) return object.bad();
   if (!level) return nullPointer();
-  *level = object->asset->residentLevel(part, wanted);
+  *level = object->asset->residentLevel(part, wanted).value_or(KELP_NONE);
   return KELP_OK;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Assets: what is in them.
+#include "kelp/runtime/level.h"
 #include "objects.h"
 
 namespace kelp::c {

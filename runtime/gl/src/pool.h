@@ -8,6 +8,7 @@
 
 #include "gl_api.h"
 #include "kelp/formats/buffer.h"
+#include "kelp/formats/page.h"
 
 namespace kelp::gl {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "residency.h"
+#include "kelp/runtime/level.h"
 
 #include <algorithm>
 #include <cmath>

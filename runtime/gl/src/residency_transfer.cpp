@@ -2,6 +2,8 @@
 // Residency: how grids and pages get into the pool, and out of it.
 #include <algorithm>
 
+#include "kelp/formats/page.h"
+#include "kelp/runtime/level.h"
 #include "residency.h"
 
 namespace kelp::gl {

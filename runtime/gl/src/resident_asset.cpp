@@ -5,7 +5,9 @@
 #include <new>
 
 #include "kelp/formats/fog.h"
+#include "kelp/formats/page.h"
 #include "kelp/gl/renderer.h"
+#include "kelp/runtime/level.h"
 
 namespace kelp::gl {
 namespace {

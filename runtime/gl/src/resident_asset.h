@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 #include "pool.h"
 #include "worth.h"

@@ -22,8 +22,8 @@ constexpr float kMargin = 0.85f;                    // of the picture that the m
 constexpr runtime::SpringOptions kSprings{.frequency = 0.9f, .damping = 0.16f, .reach = 0.7f};
 
 // Bounds on packs in a page. A pack that claims more is refused.
-Limits pageLimits() {
-  Limits limits;
+PackLimits pageLimits() {
+  PackLimits limits;
   limits.max_decoded_bytes = std::uint64_t{128} << 20;
   limits.max_metadata_bytes = std::uint64_t{16} << 20;
   return limits;
@@ -82,7 +82,7 @@ int Viewer::open() {
   if (!opening_store_) return asset_ ? 1 : -1;
   if (!renderer_) return 0;
   opening_store_->beginPass();
-  runtime::Options options;
+  runtime::AssetOptions options;
   options.limits = pageLimits();
   options.memory_budget = kMemory;
   auto asset = runtime::Asset::open(opening_store_->source(), options);

@@ -33,7 +33,8 @@ void checkClips(const RawPack& pack, const std::filesystem::path& input) {
     for (const RawTrack& track : clip.tracks) bytes += sizeof(Track) + track.keys.size() * sizeof(Key);
   }
   for (const RawSocket& socket : pack.sockets) bytes += sizeof(Socket) + socket.name.size();
-  constexpr std::uint64_t kMost = Limits{}.max_metadata_bytes / 16 * 15;  // the rest is for the other tables
+  constexpr std::uint64_t kMost =
+      PackLimits{}.max_metadata_bytes / 16 * 15;  // the rest is for the other tables
   if (bytes > kMost)
     throw ToolError(
         Exit::kUnsupported,

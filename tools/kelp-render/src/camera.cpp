@@ -7,7 +7,9 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "kelp/formats/brick.h"
 #include "kelp/formats/sweep.h"
+#include "kelp/runtime/level.h"
 
 namespace kelp::render {
 namespace {

@@ -89,7 +89,7 @@ Scene::Scene(const Options& options) {
         if (memory > mostMemory()) failTooLarge(item.pack);
         source = rebent_.try_emplace(key, item.pack, source, *item.bend).first->second.source();
       }
-      runtime::Options whole;
+      runtime::AssetOptions whole;
       whole.memory_budget = mostMemory();
       if (options.view == ViewKind::kDistance || options.shadesByDistances()) whole.distance_level = 0;
       pack = checkPack(item.pack, runtime::Asset::open(source, whole));

@@ -46,7 +46,7 @@ Result<std::unique_ptr<Model>> Model::rerigged(const PackRig& rig) const {
 }
 
 Result<std::unique_ptr<Model>> Model::make(std::unique_ptr<Model> model, const Source& source) {
-  runtime::Options options;
+  runtime::AssetOptions options;
   options.distance_level = 0;  // for slices
   auto asset = runtime::Asset::open(source, options);
   if (!asset) return asset.error();

@@ -42,7 +42,7 @@ Result<std::unique_ptr<RigSketch>> RigSketch::make(const PackRig& rig) {
   const Sink sink = Sink::into(sketch->bytes_);
   if (const auto written = writePack(pack, sink); !written) return written.error();
   sketch->memory_ = MemorySource(sketch->bytes_);
-  runtime::Options options;
+  runtime::AssetOptions options;
   options.limits.max_parts = static_cast<std::uint32_t>(rig.parts.size());
   auto asset = runtime::Asset::open(sketch->memory_.source(), options);
   if (!asset) return asset.error();

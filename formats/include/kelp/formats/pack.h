@@ -9,12 +9,9 @@
 #include <span>
 #include <string_view>
 
-#include "kelp/formats/brick.h"
 #include "kelp/formats/buffer.h"
-#include "kelp/formats/distance.h"
 #include "kelp/formats/error.h"
 #include "kelp/formats/model.h"
-#include "kelp/formats/page.h"
 #include "kelp/formats/source.h"
 
 namespace kelp {
@@ -22,14 +19,14 @@ namespace kelp {
 inline constexpr std::uint16_t kFormatMajor = 1;
 inline constexpr std::uint16_t kFormatMinor = 1;
 
-// Bounds on a pack; kLimit beyond. Limits and file size together bound the memory that the reader
+// Bounds on a pack; kLimit beyond. PackLimits and file size together bound the memory that the reader
 // takes:
 // - Pack::open: at most 2 max_metadata_bytes + 2 file sizes + 1/4 MiB;
 // - readGrid, readDistanceGrid: at most 9/4 of the decoded grid + its stored size + 1/4 MiB + 4 bytes for
 //   each brick of the grid, for each that is stored and for each corner of bricks. A decoded grid has at most
 //   32768 times its stored size, and a grid at most max_decoded_bytes / 16 bricks;
 // - readPage: at most 1/2 MiB, kept in the PageData.
-struct Limits {
+struct PackLimits {
   std::uint64_t max_decoded_bytes = std::uint64_t{4} << 30;  // of any one chunk
   std::uint32_t max_side = 8192;                             // level-0 voxels along an axis
   std::uint32_t max_parts = 4096;
@@ -38,61 +35,13 @@ struct Limits {
   std::uint64_t max_metadata_bytes = std::uint64_t{64} << 20;
 };
 
-// Bytes that a wave counts for Limits::max_metadata_bytes: its entry in the Pack, and what the runtime
+// Bytes that a wave counts for PackLimits::max_metadata_bytes: its entry in the Pack, and what the runtime
 // prepares from it.
 inline constexpr std::size_t kWaveMemory = 784;
 
-// The grid of one level of one part, of voxels, fog or distances, and the pages that hold its bricks.
-struct LevelGrid {
-  LevelGrid() = default;
-  explicit LevelGrid(const Allocator& allocator) : cells(allocator), bricks(allocator), pages(allocator) {}
-
-  int part = 0;
-  int level = 0;
-  bool coarsest = false;  // of the part
-  glm::ivec3 size{0};     // of this level: voxels, or cubes of fog
-  glm::ivec3 grid{0};     // bricks
-  DistanceBand band;      // of distances
-  // One a brick, x fastest, then y, then z: kelp/formats/page.h.
-  Buffer<std::uint32_t> cells;
-  Buffer<std::uint32_t> bricks;  // one a stored brick, by slot: the index of its cell
-  Buffer<PageInfo> pages;        // ascending slots, no gaps
-
-  // Where the brick of a slot is in the grid.
-  glm::ivec3 place(std::uint32_t slot) const {
-    const auto cell = static_cast<int>(bricks[slot]);
-    return {cell % grid.x, cell / grid.x % grid.y, cell / grid.x / grid.y};
-  }
-  bool isInside(std::uint32_t cell) const { return (cell & kCellSolid) && cellPage(cell) == pages.size(); }
-  // The slot of a stored cell.
-  std::uint32_t slotOf(std::uint32_t cell) const {
-    return pages[cellPage(cell)].first_slot + cellBrick(cell);
-  }
-};
-
-// The shapes of the next coarser level, which decoding the pages of a level of voxels needs.
-struct LevelAbove {
-  const LevelGrid* grid = nullptr;     // null: there is none
-  std::span<const BrickShape> shapes;  // one a stored brick, by slot; without surface: not known yet
-};
-
-// The pages of the next coarser level that a level's pages are decoded with: those over their bricks, which
-// decoding needs, and those beside, which empty boxes reach.
-struct PagesAbove {
-  PagesAbove() = default;
-  explicit PagesAbove(const Allocator& allocator) : first(allocator), pages(allocator) {}
-
-  Buffer<std::uint32_t> first;  // one a page of the level, and one more: where its pages begin in `pages`
-  Buffer<std::uint32_t> pages;  // ascending for each page
-
-  // False: no memory.
-  [[nodiscard]] bool make(const LevelGrid& grid, const LevelGrid& above);
-  // True if page `coarser` of the coarser level covers a brick of `page`.
-  static bool isOver(const LevelGrid& grid, std::size_t page, const LevelGrid& above, std::uint32_t coarser);
-  std::span<const std::uint32_t> of(std::size_t page) const {
-    return pages.span().subspan(first[page], first[page + 1] - first[page]);
-  }
-};
+struct LevelGrid;  // these three: kelp/formats/level.h and page.h
+struct LevelAbove;
+struct PageData;
 
 // An open pack. Everything except the voxels is in memory and checked. Movable. Immutable: any thread may
 // call any const function at any time.
@@ -100,7 +49,8 @@ class Pack {
  public:
   // Reads and checks header, index and metadata. Any error except kNotMonotone and kFolds (a rest rig that
   // turns back or folds is kCorrupt) and kGraphics. kNotYet: open it again later. Safe for hostile files.
-  static Result<Pack> open(const Source& source, const Limits& limits = {}, const Allocator& allocator = {});
+  static Result<Pack> open(const Source& source, const PackLimits& limits = {},
+                           const Allocator& allocator = {});
   Pack(Pack&&) noexcept;
   Pack& operator=(Pack&&) noexcept;
   ~Pack();
@@ -145,30 +95,6 @@ class Pack {
   struct Impl;
   explicit Pack(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
-};
-
-// Reads one level of one part, page by page, for programs that want all of it.
-class LevelReader {
- public:
-  // Reads the level's grid and, of voxels, all coarser levels: about a third as many bytes. Errors of
-  // Pack::readGrid and Pack::readPage. The pack must outlive the reader.
-  static Result<LevelReader> open(const Pack& pack, int part, int level, const Allocator& allocator = {});
-
-  const LevelGrid& grid() const { return grid_; }
-  LevelGrid& grid() { return grid_; }
-  // Like Pack::readPage.
-  Result<void> readPage(std::size_t page, PageData& out) const;
-  // Goes on to the next finer level; of voxels it reads all pages of this one again.
-  Result<void> refine();
-
- private:
-  explicit LevelReader(const Pack& pack, const Allocator& allocator)
-      : pack_(&pack), allocator_(allocator), grid_(allocator), above_(allocator), shapes_(allocator) {}
-
-  const Pack* pack_;
-  Allocator allocator_;
-  LevelGrid grid_, above_;
-  Buffer<BrickShape> shapes_;  // of above_
 };
 
 }  // namespace kelp

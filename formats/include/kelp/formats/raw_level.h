@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 #include "kelp/formats/raw_pack.h"
 
 namespace kelp {

@@ -145,6 +145,6 @@ struct RawRigs {
 // the errors of Pack::open if the source is not a valid pack; kChecksum; the sink's error. Safe for hostile
 // sources. After an error, discard what the sink received. Memory: the metadata and a block of 64 KiB.
 Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink,
-                       const Limits& limits = {});
+                       const PackLimits& limits = {});
 
 }  // namespace kelp

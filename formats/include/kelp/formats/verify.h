@@ -46,7 +46,7 @@ struct Issue {
 // threads: how many read pages of voxels and of distances, at least 1; with more than one, source and
 // allocator are called from all of them. `report` is called from this thread, and what it is told does not
 // depend on their number, unless an allocation fails.
-std::uint64_t verify(const Source& source, const Limits& limits,
+std::uint64_t verify(const Source& source, const PackLimits& limits,
                      void (*report)(void* user, const Issue& issue), void* user,
                      const Allocator& allocator = {}, int threads = 1);
 

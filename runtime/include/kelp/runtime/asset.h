@@ -5,26 +5,17 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "kelp/formats/pack.h"
 
 namespace kelp::runtime {
 
-// One level of one part, of voxels (or fog) or of distances. Immutable; valid as long as the asset.
-struct Level {
-  glm::ivec3 size{0};                    // voxels of this level
-  glm::ivec3 grid{0};                    // bricks
-  std::span<const std::uint32_t> cells;  // one a brick, x fastest, then y, then z (kelp/formats/page.h)
-  std::span<const PageInfo> pages;       // they hold the stored bricks
-  // Of distances (kelp/formats/distance.h):
-  DistanceBand band;
-  std::span<const std::uint32_t> first_slots;  // of each page
-  std::span<const std::uint8_t> codes;         // 512 a slot
-};
+struct Level;  // kelp/runtime/level.h
 
-struct Options {
-  Limits limits;
+struct AssetOptions {
+  PackLimits limits;
   // For grids, pages and decoding. Some hundred bytes for each level of each part come from operator new.
   Allocator allocator;
   // The most bytes of grids and pages to keep in memory. When they are used up, the pages that were not used
@@ -33,9 +24,9 @@ struct Options {
   // pump() that found nothing to do. If rays use more than the budget holds, a renderer draws coarser pages
   // until those rays stop.
   std::uint64_t memory_budget = std::uint64_t{1} << 30;
-  // The finest level of distances to load, for the queries of kelp/runtime/distance.h. 0: all of them; -1:
+  // The finest level of distances to load, for the queries of kelp/runtime/distance.h. 0: all of them; empty:
   // none, and nothing of them is read. Of a part with fewer levels the coarsest is loaded.
-  int distance_level = -1;
+  std::optional<int> distance_level;
 };
 
 // Owns the decoded voxels. Thread-safe: any thread may call any function at any time; only the destructor
@@ -54,9 +45,9 @@ class Asset {
  public:
   // Reads and checks everything except the voxels: a few kilobytes. Errors of Pack::open, and kOutOfMemory.
   // kNotYet: the source has not got them; open it again later. Safe for hostile packs.
-  static Result<std::unique_ptr<Asset>> open(const Source& source, const Options& options = {});
+  static Result<std::unique_ptr<Asset>> open(const Source& source, const AssetOptions& options = {});
   // Opens a file, which stays open as long as the asset lives. Errors of FileSource::open, too.
-  static Result<std::unique_ptr<Asset>> open(const char* path, const Options& options = {});
+  static Result<std::unique_ptr<Asset>> open(const char* path, const AssetOptions& options = {});
   ~Asset();
   Asset(const Asset&) = delete;
   Asset& operator=(const Asset&) = delete;
@@ -82,25 +73,23 @@ class Asset {
   // The level, if its grid and those of all coarser levels are loaded; else null.
   const Level* level(int part, int level) const;
   // The finest level of the part that is wholly in memory and not finer than `wanted`. If there is none, the
-  // coarsest of the finer ones. -1: none yet.
-  int residentLevel(int part, int wanted = 0) const;
-  // The level of distances, if all of it is in memory; else null. Needs Options::distance_level. Where the
-  // budget does not hold a level, coarser ones are there; loadAll() says so, pump() does not.
+  // coarsest of the finer ones. nullopt: none yet, or no such part.
+  std::optional<int> residentLevel(int part, int wanted = 0) const;
+  // The level of distances, if all of it is in memory; else null. Needs AssetOptions::distance_level. Where
+  // the budget does not hold a level, coarser ones are there; loadAll() says so, pump() does not.
   const Level* distances(int part, int level) const;
   // Whether the asset loads distances: it was asked to, and the pack has some.
   bool loadsDistances() const;
   // Bytes of grids, pages and distances that are in memory now.
   std::uint64_t memory() const;
 
- private:
-  friend struct ClipReader;
-  friend struct DistanceReader;
-  friend struct NameReader;
-  friend class PageReader;
-  friend struct PageAccess;
-  friend class AssetWatch;
+  // For kelp's own libraries, which know what these are.
   struct Impl;
   struct Life;
+  Impl& impl() const { return *impl_; }
+  Life* life() const { return life_; }
+
+ private:
   Asset(std::unique_ptr<Impl> impl, Life* life);
   std::unique_ptr<Impl> impl_;
   Life* life_;  // counts who watches, and outlives this

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Distances, overlaps and sphere casts on the CPU. They need a pack with distances (kelp-bake's default) in
-// an asset that loads them: Options::distance_level.
+// an asset that loads them: AssetOptions::distance_level.
 //
 // The solid is the union of the closed level-0 voxels of all solid parts, bent by the pose, in the world:
 // what is drawn at full detail. Where only coarser distances are in memory, answers stay on the safe side.
@@ -11,7 +11,7 @@
 // solid.
 //
 // Errors of all functions: kMisuse for numbers that are not finite, for lengths that must be above 0 and are
-// not, for an instance without an asset, and if the asset was opened without Options::distance_level;
+// not, for an instance without an asset, and if the asset was opened without AssetOptions::distance_level;
 // kUnsupportedFeature if the pack has no distances; kNotYet if some solid part has none in memory yet (if the
 // memory budget has no room for its coarsest ones, that stays so); why they failed to load (kCorrupt, kIo),
 // if none of a part's could be loaded: until Asset::retry(). With a list, `offset` is the index

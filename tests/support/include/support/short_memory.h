@@ -40,9 +40,9 @@ struct ShortMemory {
   }
 };
 
-// The memory that Limits (kelp/formats/pack.h) allow for a file of so many bytes: for an open pack, one of
-// its grids and one of its pages together.
-inline std::uint64_t mostMemory(const Limits& limits, std::uint64_t file_bytes) {
+// The memory that PackLimits (kelp/formats/pack.h) allow for a file of so many bytes: for an open pack, one
+// of its grids and one of its pages together.
+inline std::uint64_t mostMemory(const PackLimits& limits, std::uint64_t file_bytes) {
   constexpr std::uint64_t kQuarter = std::uint64_t{1} << 18;
   const std::uint64_t decoded = std::min(limits.max_decoded_bytes, 32768 * file_bytes);
   return 2 * limits.max_metadata_bytes + 2 * file_bytes + kQuarter + decoded * 9 / 4 + file_bytes + kQuarter +

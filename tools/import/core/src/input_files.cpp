@@ -153,7 +153,7 @@ std::string placeOf(std::string_view array, std::size_t index) {
 }
 
 void checkPartCount(const InputFiles& files, std::size_t parts, std::string_view join) {
-  const std::size_t most = Limits{}.max_parts;
+  const std::size_t most = PackLimits{}.max_parts;
   if (parts > most)
     refuse(Exit::kUnsupported, files.input(), "scene",
            "makes " + std::to_string(parts) + " parts, and packs of more than " + std::to_string(most) +

@@ -96,7 +96,8 @@ class NodePlanner {
       if (skin < 0) seat_[at] = static_cast<int>(plans_.size());
       plans_.push_back({node, -1, -1, std::nullopt, {}, {}, {node}, true});
       // more than the limit is an error anyway
-      anchors_.push_back(skin < 0 || plans_.size() > Limits{}.max_parts ? node : skinAnchor(model_, skin));
+      anchors_.push_back(skin < 0 || plans_.size() > PackLimits{}.max_parts ? node
+                                                                            : skinAnchor(model_, skin));
     }
     for (int node : model_.order)
       if (isSocket(model_, node)) giveSocket(node, bound, scene);

@@ -72,7 +72,7 @@ void checkPackOfChild(const Options& options, OutputFile& output, bake::Report& 
   const Source source{&readOutput, &output, static_cast<std::uint64_t>(status.st_size), nullptr, nullptr};
   std::optional<Issue> issue;
   verify(
-      source, Limits(),
+      source, PackLimits(),
       [](void* first, const Issue& found) {
         auto& kept = *static_cast<std::optional<Issue>*>(first);
         if (found.severity == Severity::kError && !kept) kept = found;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "kelp/common/dense_index.h"
+#include "kelp/formats/level.h"
 
 #include "diff/diff.h"
 #include "pack/brick_reader.h"

@@ -11,6 +11,7 @@
 
 #include "kelp/common/dense_index.h"
 #include "kelp/formats/fog.h"
+#include "kelp/formats/level.h"
 #include "pack/level_grid.h"
 #include "text/text.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "kelp/formats/pack.h"
+#include "kelp/formats/level.h"
 #include "pack/pack_file.h"
 
 namespace kelp::dump {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pack/level_distances.h"
+#include "kelp/formats/level.h"
 
 #include <fmt/format.h>
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "kelp/formats/level.h"
 #include "kelp/formats/raw_level.h"
 #include "text/text.h"
 

@@ -7,6 +7,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "kelp/formats/level.h"
 #include "kelp/formats/raw_pack.h"
 #include "pack/pack_file.h"
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "kelp/common/dense_index.h"
+#include "kelp/formats/level.h"
 #include "pack/level_grid.h"
 #include "text/checks.h"
 

@@ -27,7 +27,7 @@ enum class Features : std::uint8_t {
   // on Mesa's llvmpipe, which also runs branches that are not taken, a frame takes 1.2 times as long.
   kSecondaryRays = 1,
   // Distances on the GPU: Quality::soft_shadows, Quality::occlusion, and kelpDistance in shaders. They come
-  // from assets that load them (runtime::Options::distance_level), and take part of gpu_budget.
+  // from assets that load them (runtime::AssetOptions::distance_level), and take part of gpu_budget.
   kDistances = 2,
   // No Shading but kGradient. The program compiles sooner: with SwiftShader, which browsers draw with where
   // there is no graphics card, in two thirds of the time.

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "kelp/runtime/asset.h"
+#include "kelp/runtime/level.h"
 
 namespace kelp::runtime {
 
