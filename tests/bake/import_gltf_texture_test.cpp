@@ -262,23 +262,6 @@ TEST_F(Square, EachPictureLiesWhereItsOwnCoordinatesSay) {
   });
 }
 
-TEST_F(Square, FinePicturesAreAveragedInLight) {
-  Texels glow, metal;
-  for (int i = 0; i < 64 * 64; ++i) {
-    const std::uint8_t value = (i + i / 64) % 2 ? 255 : 0;
-    glow.push_back({value, value, value, 255});
-    metal.push_back({0, value, static_cast<std::uint8_t>(255 - value), 255});
-  }
-  bake(
-      R"("pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":1}},"emissiveFactor":[1,1,1],"emissiveTexture":{"index":0})",
-      {dataUri(tga(glow, 64)), dataUri(tga(metal, 64))}, 8, "9729");
-  forEachVoxel([](const Material& m, bool, bool) {
-    ASSERT_NEAR(m.emissive.g, 0.5f, 1e-5);
-    ASSERT_NEAR(m.metallic, 0.5f, 1e-5);
-    ASSERT_NEAR(m.roughness, 0.5f, 1e-5);
-  });
-}
-
 TEST_F(Square, ALampWithoutItsPictureIsDark) {
   bake(R"("emissiveFactor":[1,1,1],"emissiveTexture":{"index":0})", {"absent.png"});
   EXPECT_TRUE(anyContains(model_.notices,

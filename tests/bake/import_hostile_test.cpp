@@ -91,19 +91,6 @@ TEST(ImportHostile, MessagesSayWhereAndWhatToDo) {
   }
 }
 
-TEST(ImportHostile, ATruncatedVolumeIsCalledThat) {
-  KELP_ASSET(path, "vdb/gaffer_sphere.vdb");
-  const Scratch scratch;
-  std::ifstream in(path, std::ios::binary);
-  const std::string good{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  for (const std::size_t eighths : {1, 2, 4, 7}) {
-    const std::string message =
-        refusal(scratch.write("cut.vdb", good.substr(0, good.size() * eighths / 8)), Exit::kInvalid);
-    EXPECT_TRUE(contains(message, "; it is truncated")) << message;
-    EXPECT_FALSE(contains(message, "basic_ios")) << message;
-  }
-}
-
 // Real files, cut and with bytes turned over: a fixed seed, some hundred variants a format.
 TEST(ImportHostile, CutAndFlippedFiles) {
   const Scratch scratch;

@@ -189,16 +189,6 @@ TEST(ImportKnots, BlendersActionNamesJoinIntoOneClip) {
   EXPECT_EQ(model.parts[0].rig.clips[0].tracks.size(), 2u);
 }
 
-TEST(ImportKnots, TwoAnimationsOfOneNameAreTwoClips) {
-  Reed reed;
-  const std::string one =
-      R"({"name":"sway","samplers":[{"input":2,"output":3}],"channels":[{"sampler":0,"target":{"node":3,"path":"translation"}}]})";
-  reed.animations = "[" + one + "," + one + "]";
-  const SourceModel model = reed.import();
-  ASSERT_EQ(model.parts[0].rig.clips.size(), 2u);
-  EXPECT_EQ(model.parts[0].rig.clips[1].name, "sway.2");
-}
-
 TEST(ImportKnots, GapsDoublesAndDisorderMakeANoticeAndNoRig) {
   for (
       const std::string knots :

@@ -7,8 +7,6 @@
 #include <numbers>
 
 #include "import_scratch.h"
-#include "support/all_tests.h"
-#include "support/assets.h"
 
 namespace kelp::bake::test {
 namespace {
@@ -119,48 +117,6 @@ TEST(ImportVdb, PaddingTakesMemoryToo) {
   // Boxes of 360 and of 320, both more than the least that any bake needs.
   EXPECT_GT(needs(140, 0), needs(120, 0) + 360 * 360 * 360 - 320 * 320 * 320)
       << "a byte for each voxel that is added";
-}
-
-TEST(ImportVdb, TransformsThatTurnOrStretchAreApplied) {
-  const Scratch scratch;
-  // An ellipsoid with the half axes 1, 2 and 1: a sphere of radius 20 voxels under a stretch and a turn of 30
-  // degrees about z.
-  auto grid = sphere(20.0f, {0, 0, 0}, 1.0f);
-  openvdb::math::Transform::Ptr transform = openvdb::math::Transform::createLinearTransform(0.05);
-  transform->preScale(openvdb::Vec3d(1, 2, 1));
-  transform->postRotate(0.5235988, openvdb::math::Z_AXIS);
-  grid->setTransform(transform);
-  const SourceModel model = importFile(writeGrids(scratch, {grid}), {});
-  const Measure m = measure(model);
-  EXPECT_NEAR(m.volume, 2 * ballVolume(1), 0.02 * 2 * ballVolume(1));
-  const glm::dmat3 linear(glm::dmat4x3(model.parts[0].grid->to_node));
-  EXPECT_NEAR(glm::length(linear[0]), glm::length(linear[1]), 1e-6);
-}
-
-TEST(ImportVdb, AnyAxisIsTheSameBall) {
-  const Scratch scratch;
-  auto grid = sphere(2.0f, {5, -3, 1}, 0.1f);
-  const auto path = writeGrids(scratch, {grid});
-  for (int axis = 0; axis < 6; ++axis) {
-    Settings settings;
-    settings.axis = static_cast<Axis>(axis);
-    const SourceModel model = importFile(path, settings);
-    EXPECT_LT(glm::length(measure(model).centre - glm::dvec3(5, -3, 1)), 0.01);
-    // +y of the part is the axis of the file.
-    const glm::vec3 up = model.parts[0].grid->to_node * glm::vec4(0, 1, 0, 0);
-    glm::vec3 wanted(0);
-    wanted[axis / 2] = axis % 2 == 0 ? 0.1f : -0.1f;
-    EXPECT_LT(glm::length(up - wanted), 1e-6);
-  }
-}
-
-TEST(ImportVdb, GafferSphereAtItsOwnVoxelsAndFiner) {
-  KELP_ASSET(path, "vdb/gaffer_sphere.vdb");
-  EXPECT_EQ(importFile(path, {}).parts[0].grid->size, glm::ivec3(121));
-  Settings settings;
-  settings.resolution = kelp::test::allTests() ? 256 : 140;
-  settings.resolution_given = true;
-  EXPECT_EQ(importFile(path, settings).parts[0].grid->size, glm::ivec3(settings.resolution));
 }
 
 }  // namespace

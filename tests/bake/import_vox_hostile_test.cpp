@@ -2,8 +2,6 @@
 // MagicaVoxel files that are damaged, or were made to do harm.
 #include <gtest/gtest.h>
 
-#include <ctime>
-
 #include "import_scratch.h"
 #include "vox_truth.h"
 
@@ -292,29 +290,6 @@ TEST(HostileVox, NamesThatAreNoText) {
     EXPECT_EQ(pack.parts[0].name, shown);
     EXPECT_NO_THROW(writePackFile(pack, scratch.folder() / "out.kelp", 1, report));
   }
-}
-
-// A node of many keys, named often: four times as much of both takes no sixteen times as long. Seconds of the
-// processor.
-TEST(HostileVox, ManyKeysOfANodeThatIsNamedOften) {
-  const Scratch scratch;
-  const auto seconds = [&](int count) {
-    VoxMaker maker(200);
-    maker.model({1, 1, 1}, {{0, 0, 0, 7}});
-    maker.transform(0, 1, {{}});
-    maker.group(1, std::vector<int>(static_cast<std::size_t>(count), 2));
-    std::vector<VoxMaker::Attributes> keys;
-    for (int i = 0; i < count; ++i) keys.push_back({{"_f", std::to_string(i)}});
-    maker.transform(2, 3, keys);
-    maker.shape(3, {{0, {}}});
-    const auto path = scratch.write("model.vox", maker.bytes());
-    const std::clock_t begin = std::clock();
-    EXPECT_EQ(importFile(path, with([&](Settings& settings) { settings.frame = count - 1; })).parts.size(),
-              1u);
-    return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  };
-  const double few = seconds(10000);
-  EXPECT_LT(seconds(40000), 8 * few + 0.1);
 }
 
 }  // namespace

@@ -6,8 +6,6 @@
 #include <set>
 
 #include "import_scratch.h"
-#include "kelp/fields/fields.h"
-#include "kelp/import/voxels/indexed_voxels.h"
 #include "support/assets.h"
 #include "vox_truth.h"
 
@@ -485,40 +483,6 @@ TEST(ImportVox, ShellsHaveAnOutside) {
                         double(sample.index / (side * side)));
     EXPECT_GT(glm::dot(glm::normalize(at + 0.5 - glm::dvec3(grid.size) * 0.5), glm::dvec3(sample.normal)),
               0.93);
-  }
-}
-
-// Against a flood from outside, voxel by voxel.
-TEST(VoxelNormals, CavitiesAreWhatNoFloodReaches) {
-  std::uint32_t random = 1;
-  for (const int share : {20, 45, 60, 70, 80}) {
-    fields::Occupancy occupancy{{13, 11, 9}, {}};
-    for (int i = 0; i < 13 * 11 * 9; ++i) {
-      random = random * 1664525u + 1013904223u;
-      occupancy.solid.push_back(
-          random >> 16 & 0xff ? ((random >> 8) % 100 < static_cast<std::uint32_t>(share) ? 7 : 0) : 0);
-    }
-    std::vector<std::uint8_t> wanted(occupancy.solid.size(), 1);
-    std::vector<glm::ivec3> front;
-    const auto reach = [&](const glm::ivec3& v) {
-      if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= 13 || v.y >= 11 || v.z >= 9) return;
-      const std::size_t at = occupancy.index(v);
-      if (occupancy.solid[at] != 0 || wanted[at] == 0) return;
-      wanted[at] = 0;
-      front.push_back(v);
-    };
-    for (int z = 0; z < 9; ++z)
-      for (int y = 0; y < 11; ++y)
-        for (int x = 0; x < 13; ++x)
-          if (x == 0 || y == 0 || z == 0 || x == 12 || y == 10 || z == 8) reach({x, y, z});
-    while (!front.empty()) {
-      const glm::ivec3 v = front.back();
-      front.pop_back();
-      for (const glm::ivec3& step : {glm::ivec3(1, 0, 0), glm::ivec3(-1, 0, 0), glm::ivec3(0, 1, 0),
-                                     glm::ivec3(0, -1, 0), glm::ivec3(0, 0, 1), glm::ivec3(0, 0, -1)})
-        reach(v + step);
-    }
-    EXPECT_EQ(withoutCavities(occupancy), wanted) << share;
   }
 }
 

@@ -484,18 +484,5 @@ TEST(Moment, UnknownNamesListThoseThereAre) {
   EXPECT_THROW(bake::bake(plain, settings, report), ToolError);
 }
 
-TEST(Moment, ThePictureIsThatOfItsTriangles) {
-  KELP_ASSET(path, "gltf/draco_testdata/Fox/Fox.gltf");
-  Settings settings;
-  settings.at = Moment{"Walk", 0.3};
-  const BakedAsset fox(path, settings, 160);
-  const std::vector<glm::dvec3> walking = GltfTruth(path).worldCorners(kFox, 1, 0.3),
-                                standing = GltfTruth(path).worldCorners(kFox, -1, 0);
-  for (const double yaw : {0.0, 90.0}) {
-    EXPECT_GT(agreement(fox, walking, yaw), 0.94) << yaw;
-    EXPECT_LT(agreement(fox, standing, yaw), 0.9) << yaw;
-  }
-}
-
 }  // namespace
 }  // namespace kelp::bake::test

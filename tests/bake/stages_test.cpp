@@ -22,14 +22,14 @@ using test::voxelizeUnit;
 
 // A square of 16 x 16 units in the xy plane, uv 0 to 1, one unit thick, with a 4 x 4 texture whose texel (i,
 // j) is red i/3, green j/3.
-bake::SourceModel texturedPlate(float repeats = 1, bake::Wrap wrap = bake::Wrap::kRepeat) {
+bake::SourceModel texturedPlate() {
   bake::TriangleSoup soup;
   test::addBox(soup, {0, 0, 0}, {16, 16, 1});
   for (const bake::TriangleSoup::Triangle& triangle : soup.triangles) {
     auto& uv = soup.uvs.emplace_back();
     for (std::size_t k = 0; k < 3; ++k)
-      uv[k] = repeats * glm::vec2(soup.positions[triangle.vertex[k]].x / 16.0f,
-                                  1.0f - soup.positions[triangle.vertex[k]].y / 16.0f);
+      uv[k] = glm::vec2(soup.positions[triangle.vertex[k]].x / 16.0f,
+                        1.0f - soup.positions[triangle.vertex[k]].y / 16.0f);
   }
   bake::SourceModel model = test::makeModel(soup);
   bake::Image image;
@@ -43,7 +43,6 @@ bake::SourceModel texturedPlate(float repeats = 1, bake::Wrap wrap = bake::Wrap:
   model.images.push_back(image);
   model.materials[0].texture = 0;
   model.materials[0].nearest = true;
-  model.materials[0].wrap_u = model.materials[0].wrap_v = wrap;
   return model;
 }
 
@@ -66,42 +65,6 @@ TEST(SurfaceColour, TextureStandsUprightWithItsTexels) {
   EXPECT_NEAR(colors[2 + 16 * 2].y, 1.0f, 0.01f);
   EXPECT_NEAR(colors[6 + 16 * 6].x, 1.0f / 3, 0.01f);
   EXPECT_NEAR(colors[6 + 16 * 6].y, 2.0f / 3, 0.01f);
-}
-
-TEST(SurfaceColour, WrapModes) {
-  // two pictures across
-  const auto redAt = [](bake::Wrap wrap, int x) {
-    return colorsOf(texturedPlate(2, wrap))[static_cast<std::size_t>(x) + 16 * 12].x;
-  };
-  EXPECT_NEAR(redAt(bake::Wrap::kRepeat, 8), 0.0f, 0.01f);
-  EXPECT_NEAR(redAt(bake::Wrap::kMirror, 8), 1.0f, 0.01f);
-  EXPECT_NEAR(redAt(bake::Wrap::kClamp, 15), 1.0f, 0.01f);
-  EXPECT_NEAR(redAt(bake::Wrap::kMirror, 15), 0.0f, 0.01f);
-}
-
-TEST(SurfaceColour, FineTexturesAreAveragedInLinearLight) {
-  bake::SourceModel model = texturedPlate();
-  bake::Image& image = model.images[0];
-  image.width = image.height = 256;  // 16 texels a voxel: black and white by turns
-  image.srgb = true;
-  image.rgba.clear();
-  for (int j = 0; j < 256; ++j) {
-    for (int i = 0; i < 256; ++i)
-      image.rgba.insert(image.rgba.end(), 3, (i + j) % 2 ? 255 : 0), image.rgba.push_back(255);
-  }
-  model.materials[0].nearest = false;
-  for (const glm::vec4& color : colorsOf(model)) EXPECT_NEAR(color.x, 0.5f, 0.01f);
-}
-
-TEST(SurfaceColour, FactorAndVertexColourMultiply) {
-  bake::SourceModel model = texturedPlate();
-  model.parts[0].soup.colors.assign(
-      model.parts[0].soup.triangles.size(),
-      {glm::vec4(0.5f, 1, 1, 1), glm::vec4(0.5f, 1, 1, 1), glm::vec4(0.5f, 1, 1, 1)});
-  model.materials[0].base_color = {0.5f, 0.5f, 1, 1};
-  const std::vector<glm::vec4> colors = colorsOf(model);
-  EXPECT_NEAR(colors[14 + 16 * 2].x, 0.25f, 0.01f);
-  EXPECT_NEAR(colors[14 + 16 * 2].y, 0.5f, 0.01f);
 }
 
 bake::VoxelGrid gridOfColours(int count) {

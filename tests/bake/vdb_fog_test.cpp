@@ -109,23 +109,6 @@ TEST(VdbFog, TheAssetsKeepTheirMassAndTheirValues) {
   }
 }
 
-TEST(VdbFog, ResamplingKeepsTheMass) {
-  KELP_ASSET(path, "vdb/gaffer_smoke.vdb");
-  const VdbPeer peer(path, "density");
-  const double mass = massOf(peer);
-  const glm::dvec3 centre = centreOf(peer);
-  for (const int resolution : {50, 130}) {
-    const FogGrid fog =
-        *importFile(path, with([&](Settings& s) { s.resolution = resolution, s.resolution_given = true; }))
-             .parts[0]
-             .fog;
-    EXPECT_NEAR(std::max({fog.size.x, fog.size.y, fog.size.z}), resolution, 1) << resolution;
-    EXPECT_NEAR(massOf(fog), mass, 0.01 * mass) << resolution;
-    EXPECT_LT(glm::length(centreOf(fog) - centre), 0.05 * glm::length(glm::dvec3(fog.to_node[0])))
-        << resolution;
-  }
-}
-
 TEST(VdbFog, EveryTransformKeepsTheMassInItsPlace) {
   const Scratch scratch;
   const auto path = scratch.folder() / "cloud.vdb";

@@ -220,38 +220,5 @@ TEST(VdbKinds, PointsThatAreNoSpheresAreRefused) {
                        "more than 8192 voxels along a side"));
 }
 
-TEST(VdbKinds, ThreeGridsOfOneNameAreThree) {
-  const Scratch scratch;
-  const auto path = scratch.folder() / "three.vdb";
-  std::vector<VdbSpec> grids;
-  for (const double radius : {5.3, 7.3, 9.3}) {
-    VdbSpec& spec = grids.emplace_back();
-    spec.name = "ball";
-    spec.grid_class = "level set";
-    spec.background = glm::dvec3(2);
-    spec.low = glm::ivec3(-12);
-    spec.high = glm::ivec3(12);
-    spec.value = [=](const glm::ivec3& p) -> std::optional<glm::dvec3> {
-      const double d = glm::length(glm::dvec3(p)) - radius;
-      return d < 2 ? std::optional(glm::dvec3(d)) : std::nullopt;
-    };
-  }
-  for (const bool stream : {false, true}) {
-    writeVdb(path, grids, VdbCodec::kBlosc, true, stream);
-    EXPECT_TRUE(contains(refusal(path, Exit::kUsage), "2: 'ball[2]'"));
-    const std::vector<std::pair<const char*, int>> wanted = {{"0", 11},    {"1", 15},       {"2", 19},
-                                                             {"ball", 11}, {"ball[1]", 15}, {"ball[2]", 19}};
-    for (const auto& [name, size] : wanted) {
-      const SourceModel model = importFile(path, with([name = name](Settings& s) { s.grid = name; }));
-      EXPECT_EQ(model.parts[0].grid->size, glm::ivec3(size)) << name;
-      std::uint64_t wrong = 0;
-      eachVoxel(*model.parts[0].grid, [&, size = size](bool is, const glm::dvec3& p) {
-        wrong += is != (glm::length(p) <= size / 2 + 0.3) ? 1 : 0;
-      });
-      EXPECT_EQ(wrong, 0u) << name;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace kelp::bake::test

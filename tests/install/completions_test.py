@@ -99,26 +99,6 @@ class Completions(unittest.TestCase):
                 count += 1
         self.assertGreater(count, 10 if "kelp-bake" in PATHS else 3)
 
-    def test_fixed_values_are_taken(self):
-        """... by the programs, which refuse another."""
-        if "kelp-bake" not in PATHS or "kelp-dump" not in PATHS:
-            self.skipTest("no kelp-bake or no kelp-dump")
-        out = os.path.join(self.folder, "sub/out.kelp")
-        model = os.path.join(self.folder, "a.obj")
-        of_volumes = {"volume", "heat-grid", "rig"}  # refused for a mesh; a rig may not suit one
-        truth = next(truth for truth in self.truths if truth.program == "kelp-bake")
-        for option, values in truth.choices.items():
-            for value in sorted(self.words("kelp-bake", option, "")) + ["another"]:
-                if re.match(r"a\.|sub", value):
-                    continue
-                done = run("kelp-bake", model, "-o", out, "--resolution", "4", option, value)
-                if value == "another":
-                    self.assertNotEqual(done.returncode, 0, option)
-                elif option[2:] not in of_volumes and (option, value) != ("--parts", "nodes"):
-                    self.assertEqual(done.returncode, 0, (option, value, done.stderr))
-        for value in self.words("kelp-dump", "schema", ""):
-            self.assertEqual(run("kelp-dump", "schema", value).returncode, 0)
-
     def test_files(self):
         if "kelp-bake" in PATHS:
             self.assertEqual(self.kinds("kelp-bake", ""), MODELS)

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "quantile.h"
 #include "rigid.h"
 #include "skin_shapes.h"
 
@@ -93,19 +92,6 @@ TEST(SkinCollapse, FitsAreTheBest) {
                 0.6);
 }
 
-TEST(SkinCollapse, RotationsOfMatrices) {
-  const glm::dmat3 turn(glm::rotate(glm::dmat4(1), 2.5, glm::normalize(glm::dvec3(1, -2, 0.5))));
-  const glm::dmat3 stretched = turn * glm::dmat3(3, 0, 0, 0, 1, 0, 0, 0, 0.2);
-  const glm::dmat3 found = nearestRotation(stretched);
-  for (int c = 0; c < 3; ++c) EXPECT_LT(glm::distance(found[c], turn[c]), 1e-9) << c;
-  // A mirrored matrix has no rotation of its own, but the nearest is one.
-  EXPECT_NEAR(glm::determinant(nearestRotation(turn * glm::dmat3(2, 0, 0, 0, 1, 0, 0, 0, -0.5))), 1, 1e-9);
-  EXPECT_NEAR(glm::determinant(nearestRotation(glm::dmat3(0))), 1, 1e-9);
-  const glm::dquat half = slerpShort(glm::dquat(1, 0, 0, 0), quaternionOf(turn), 0.5);
-  const glm::dmat3 twice = rotationOf(half) * rotationOf(half);
-  for (int c = 0; c < 3; ++c) EXPECT_LT(glm::distance(twice[c], turn[c]), 1e-9) << c;
-}
-
 // Samples lie on the triangles, and their weighted points give the drawn triangles at every moment.
 TEST(SkinSamples, AreTheDrawnTriangles) {
   const Bent bent;
@@ -161,13 +147,6 @@ TEST(SkinSamples, AreBoundedInNumber) {
     EXPECT_GT(samples.size(), most / 12);
     EXPECT_GT(samples.triangles.size(), samples.size());
   }
-}
-
-TEST(SkinSamples, QuantilesAreWeighted) {
-  EXPECT_EQ(weightedQuantile({3, 1, 2}, {1, 1, 1}, 0.5), 2);
-  EXPECT_EQ(weightedQuantile({3, 1, 2}, {1, 8, 1}, 0.5), 1);
-  EXPECT_EQ(weightedQuantile({3, 1, 2}, {8, 1, 1}, 0.5), 3);
-  EXPECT_EQ(weightedQuantile({3, 1, 2}, {1, 1, 1}, 1), 3);
 }
 
 }  // namespace

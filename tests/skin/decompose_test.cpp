@@ -82,12 +82,6 @@ TEST(SkinDecompose, PartsAreConnectedAndFewAndBetterThanJoints) {
   EXPECT_LT(divided.meanDistance(divided.labels), 0.7 * divided.meanDistance(byHeaviest(divided)));
 }
 
-TEST(SkinDecompose, IsTheSameOnAnyNumberOfThreads) {
-  const Divided one(4, {waving(4)}, 1), three(4, {waving(4)}, 3);
-  EXPECT_EQ(one.labels.parts, three.labels.parts);
-  EXPECT_EQ(one.labels.joints, three.labels.joints);
-}
-
 // A clip that stands still is no reason to be content with less in the others.
 TEST(SkinDecompose, StillClipsDoNotCount) {
   const auto rest = [](const std::string& name, double bend) {

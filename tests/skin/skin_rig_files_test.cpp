@@ -101,18 +101,8 @@ TEST_F(SkinRigFiles, FoxAgain) {
   expectTheSameAgain(path);
 }
 
-TEST_F(SkinRigFiles, CesiumManAgain) {
-  KELP_ASSET(path, "gltf/skinned/CesiumMan.glb");
-  expectTheSameAgain(path);
-}
-
 TEST_F(SkinRigFiles, GreenmanAgain) {
   KELP_ASSET(path, "gltf/skinned/greenman.glb");
-  expectTheSameAgain(path);
-}
-
-TEST_F(SkinRigFiles, RiggedSimpleAgain) {
-  KELP_ASSET(path, "gltf/skinned/rigged_simple.gltf");
   expectTheSameAgain(path);
 }
 

@@ -2,7 +2,6 @@
 // Chains of joints as swept parts.
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include <gtest/gtest.h>
 
@@ -12,7 +11,6 @@
 #include "keys.h"
 #include "rigid.h"
 #include "skin_shapes.h"
-#include "solve.h"
 #include "sweep_fit.h"
 
 namespace kelp::bake {
@@ -44,42 +42,6 @@ SourceSkin::Clip curl(const SourceSkin& skin, double angle, double duration = 2,
   return test::turningClip(skin, "curl", duration, times, [&](int j, double t) {
     return j == 0 ? 0.0 : angle * std::sin(1.5707963 * t + 0.4 * j);
   });
-}
-
-TEST(SkinSweep, NormalEquationsAreSolved) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  constexpr std::size_t kKnots = 6, kCount = 6 * kKnots;
-  NormalEquations equations(kCount);
-  // The same matrix in full.
-  std::vector<std::vector<double>> full(kCount, std::vector<double>(kCount + 1, 0));
-  for (int row = 0; row < 100; ++row) {
-    const std::size_t first = 6 * (static_cast<std::size_t>(row) % (kKnots - 1));
-    std::array<glm::dmat3, 4> effects;
-    for (glm::dmat3& effect : effects)
-      for (int c = 0; c < 3; ++c)
-        for (int r = 0; r < 3; ++r) effect[c][r] = uniform(random);
-    const glm::dvec3 wanted(uniform(random), uniform(random), uniform(random));
-    const double weight = 1.5 + uniform(random);
-    equations.add(first, effects, wanted, weight);
-    for (int r = 0; r < 3; ++r)
-      for (std::size_t i = 0; i < 12; ++i) {
-        const double a = effects[i / 3][static_cast<int>(i % 3)][r];
-        for (std::size_t j = 0; j < 12; ++j)
-          full[first + i][first + j] += weight * a * effects[j / 3][static_cast<int>(j % 3)][r];
-        full[first + i][kCount] += weight * a * wanted[r];
-      }
-  }
-  equations.damp(6, 0.5);
-  for (std::size_t i = 6; i < 9; ++i) full[i][i] += 0.5;
-  for (std::size_t k = 0; k < kCount; ++k)  // Gauss and Jordan
-    for (std::size_t i = 0; i < kCount; ++i) {
-      if (i == k) continue;
-      const double factor = full[i][k] / full[k][k];
-      for (std::size_t j = k; j <= kCount; ++j) full[i][j] -= factor * full[k][j];
-    }
-  const std::vector<double> x = equations.solve();
-  for (std::size_t i = 0; i < kCount; ++i) EXPECT_NEAR(x[i], full[i][kCount] / full[i][i], 1e-9) << i;
 }
 
 TEST(SkinSweep, InTheBindPoseEveryPlaceStays) {

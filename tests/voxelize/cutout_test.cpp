@@ -237,9 +237,6 @@ TEST_F(Masked, PicturesBelowTheCutoffLeaveNothing) {
   EXPECT_TRUE(anyContains(model_.notices, "nothing is cut out"));
   EXPECT_TRUE(contains(refusal(write(factor(1, texture), {100, 100}), Exit::kUnsupported),
                        "meshes[0].primitives[0] is below the cutoff"));
-  EXPECT_TRUE(
-      contains(refusal(write(factor(1, texture) + R"(,"alphaCutoff":2)", {255, 255}), Exit::kUnsupported),
-               "meshes[0].primitives[0] is below the cutoff"));
   EXPECT_TRUE(contains(refusal(write(factor(0.5f, texture), {200, 200}), Exit::kUnsupported),
                        "meshes[0].primitives[0] is below the cutoff"));
 }

@@ -353,21 +353,6 @@ TEST(FaultyMesh, OfAnySoupIsASurfaceOfItsTriangles) {
   for (const std::size_t count : {double_edges, split_edges, split_vertices, cut}) EXPECT_GT(count, 0u);
 }
 
-// Corners 0 and 1, and one around them for each triangle.
-TEST(FaultyMesh, AnEdgeOfThreeTrianglesBecomesOneOfTwoAndOneOfOne) {
-  std::mt19937 random(1);
-  const std::vector<Triple> triangles{{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
-  const Made made(somePoints(5, random), triangles);
-  check(made, triangles);
-  const Diagnosis diagnosis = made.all();
-  EXPECT_EQ(diagnosis.split_edges, 1u);
-  EXPECT_EQ(diagnosis.open_edges, 6u);
-  EXPECT_EQ(diagnosis.split_vertices, 2u);
-  EXPECT_EQ(diagnosis.cut_edges, 0u);
-  EXPECT_EQ(diagnosis.holes, 2u);
-  EXPECT_EQ(made.faulty.half_edges.n_edges(), 5u + 3u);
-}
-
 // Two tetrahedra that share an edge are closed, each for itself; only the edge and its ends are split.
 TEST(FaultyMesh, BodiesThatTouchAlongAnEdgeComeApartThere) {
   std::mt19937 random(1);
@@ -381,30 +366,6 @@ TEST(FaultyMesh, BodiesThatTouchAlongAnEdgeComeApartThere) {
   EXPECT_EQ(made.all().open_edges, 0u);
   EXPECT_TRUE(made.holes.empty());
   EXPECT_EQ(made.euler(), 2 + 2);
-}
-
-// A fan whose triangles 0 and 4 of 8 are gone: one component needs a way around, so the fan's outer rim has a
-// band.
-TEST(FaultyMesh, ABowTieGetsAVertexForEachSide) {
-  std::mt19937 random(1);
-  std::vector<Triple> triangles;
-  for (std::uint32_t i = 0; i < 8; ++i) {
-    const std::uint32_t a = 1 + i, b = 1 + (i + 1) % 8;
-    if (i % 4) triangles.push_back({0, a, b});
-    triangles.push_back({b, a, a + 8});
-    triangles.push_back({b, a + 8, b + 8});
-  }
-  const Made made(somePoints(17, random), triangles);
-  check(made, triangles);
-  EXPECT_EQ(made.mesh.components.size(), 1u);
-  EXPECT_EQ(made.all().split_edges, 0u);
-  EXPECT_EQ(made.all().split_vertices, 1u);
-  EXPECT_EQ(made.all().open_edges, 8u + 2 * 3u);
-  // The rim around, and the two gaps, which touch in the middle.
-  ASSERT_EQ(made.holes.size(), 3u);
-  std::multiset<std::size_t> sizes;
-  for (const Hole& hole : made.holes) sizes.insert(hole.corners.size());
-  EXPECT_EQ(sizes, (std::multiset<std::size_t>{3, 3, 8}));
 }
 
 // A strip of 2 n triangles, with half a turn or without.
@@ -441,28 +402,6 @@ TEST(FaultyMesh, AMoebiusStripIsCutAcross) {
   }
 }
 
-// Closed, but with one side: cut open it has two.
-TEST(FaultyMesh, AKleinBottleIsCutOpen) {
-  constexpr std::uint32_t kN = 6;
-  std::vector<Triple> triangles;
-  const auto at = [](std::uint32_t i, std::uint32_t j) {
-    if (i == kN) j = (2 * kN - j) % kN;
-    return i % kN * kN + j % kN;
-  };
-  for (std::uint32_t i = 0; i < kN; ++i) {
-    for (std::uint32_t j = 0; j < kN; ++j) {
-      triangles.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
-      triangles.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  }
-  std::mt19937 random(1);
-  const Made made(somePoints(kN * kN, random), triangles);
-  check(made, triangles);
-  EXPECT_EQ(made.all().open_edges, 0u);
-  EXPECT_GT(made.all().cut_edges, 0u);
-  EXPECT_FALSE(made.holes.empty());
-}
-
 // A closed mesh needs no half-edges; one wound at random does, and is a sphere then, all wound alike.
 TEST(FaultyMesh, OnlyWhatHasFaultsIsBuilt) {
   const std::vector<Triple> octahedron{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
@@ -484,26 +423,6 @@ TEST(FaultyMesh, OnlyWhatHasFaultsIsBuilt) {
     if (made.faulty.half_edges.n_faces() > 0) {
       EXPECT_EQ(made.euler(), 2);
     }
-  }
-}
-
-// A book of 100,000 pages on one edge, and as many triangles around one point.
-TEST(FaultyMesh, TakesTimeInStepWithItsTriangles) {
-  constexpr std::uint32_t kPages = 100000;
-  std::vector<Triple> book, cone;
-  for (std::uint32_t i = 0; i < kPages; ++i) {
-    book.push_back({0, 1, i + 2});
-    cone.push_back({0, i + 2, i + 3});
-  }
-  Topology mesh;
-  mesh.lattice.resize(kPages + 4);
-  mesh.components.resize(1);
-  for (const auto& triangles : {book, cone}) {
-    mesh.triangles.clear();
-    for (const Triple& t : triangles) mesh.triangles.emplace_back().vertex = t;
-    const FaultyMesh faulty = makeFaultyMesh(mesh, sortedEdges(mesh, true));
-    EXPECT_EQ(faulty.half_edges.n_faces(), kPages);
-    EXPECT_GT(findHoles(mesh, faulty).size(), 0u);
   }
 }
 

@@ -41,17 +41,6 @@ double changed(const test::Baked& whole, const test::Baked& part) {
   return static_cast<double>(count) / static_cast<double>(whole.solid);
 }
 
-// Whichever way the file winds it.
-TEST(Holes, ATornBodyInsideOutIsTheSame) {
-  bake::TriangleSoup sphere;
-  test::addSphere(sphere, {0, 0, 0}, 40, 40);
-  bake::TriangleSoup piece = torn(sphere, within(40.0f * glm::normalize(glm::vec3(1)), 24));
-  const test::Baked right = voxelizeUnit(test::makeModel(piece));
-  for (bake::TriangleSoup::Triangle& t : piece.triangles) std::swap(t.vertex[1], t.vertex[2]);
-  const test::Baked turned = voxelizeUnit(test::makeModel(piece));
-  EXPECT_LT(changed(right, turned), 1e-4);
-}
-
 // A can without its lid, of `steps` sides that end in `fine` edges each. The rim stands at height + wave(in
 // turns), give or take `jag`.
 bake::TriangleSoup can(int steps, int fine, float foot, float mouth, float height,

@@ -49,18 +49,20 @@ std::vector<bool> punch(const bake::TriangleSoup& soup, std::size_t count, std::
 struct PunchedFile {
   const char* name;
   const char* path;
+  // The share of the voxels that may change with many patches gone: a fan is flat where the body bulged.
+  double patches = 0.01;
 };
 
 void PrintTo(const PunchedFile& file, std::ostream* out) { *out << file.path; }
 
-// Triangles that are punched out, as shares of all. A fan is flat where the body bulged.
+// Triangles that are punched out, as shares of all.
 struct Punch {
   double share, patch;  // all; each patch
-  double bound;         // the share of the voxels that may change
   std::uint32_t seeds;
+  bool patches;
 };
 constexpr Punch kPunches[] = {
-    {0.01, 0.01, 0.01, 2}, {0.05, 0.0, 0.01, 1}, {0.05, 0.005, 0.02, 2}, {0.05, 0.01, 0.025, 3}};
+    {0.01, 0.01, 2, false}, {0.05, 0.0, 1, false}, {0.05, 0.005, 2, true}, {0.05, 0.01, 3, true}};
 
 class Punched : public testing::TestWithParam<PunchedFile> {};
 
@@ -100,22 +102,23 @@ TEST_P(Punched, SolidStays) {
       std::size_t changed = 0;
       for (std::size_t i = 0; i < solid.size(); ++i) changed += solid[i] != result.grid.solid[i];
       const double part = static_cast<double>(changed) / count;
-      EXPECT_LT(part, holes.bound) << removed << " triangles in patches of " << size << ", seed " << seed
-                                   << ": " << result.fill;
+      EXPECT_LT(part, holes.patches ? GetParam().patches : 0.01)
+          << removed << " triangles in patches of " << size << ", seed " << seed << ": " << result.fill;
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Closed, Punched,
-                         testing::Values(PunchedFile{"spot", "mesh/common3d/spot.obj"},
-                                         PunchedFile{"barrel", "gltf/plants/barrel.glb"},
-                                         PunchedFile{"duck", "gltf/draco_testdata/Duck.glb"},
-                                         PunchedFile{"bunny", "gltf/pmndrs/bunny.glb"},
-                                         PunchedFile{"fox", "gltf/draco_testdata/Fox/Fox.gltf"},
-                                         PunchedFile{"rocks", "gltf/aquarium/rocks.glb"},
-                                         PunchedFile{"armadillo", "mesh/converted/armadillo.obj"},
-                                         PunchedFile{"sphere", "mesh/draco_testdata/test_pos_color.ply"}),
-                         [](const auto& file) { return std::string(file.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Closed, Punched,
+    testing::Values(PunchedFile{"spot", "mesh/common3d/spot.obj", 0.025},  // measured: 0.0216
+                    PunchedFile{"barrel", "gltf/plants/barrel.glb"},
+                    PunchedFile{"duck", "gltf/draco_testdata/Duck.glb"},
+                    PunchedFile{"bunny", "gltf/pmndrs/bunny.glb"},
+                    PunchedFile{"fox", "gltf/draco_testdata/Fox/Fox.gltf", 0.02},  // measured: 0.0143
+                    PunchedFile{"rocks", "gltf/aquarium/rocks.glb"},
+                    PunchedFile{"armadillo", "mesh/converted/armadillo.obj"},
+                    PunchedFile{"sphere", "mesh/draco_testdata/test_pos_color.ply"}),
+    [](const auto& file) { return std::string(file.param.name); });
 
 }  // namespace
 }  // namespace kelp

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <random>
 #include <tuple>
@@ -34,18 +33,6 @@ TEST(PointIndex, NumbersPointsInTheOrderOfTheirFirstUse) {
       ASSERT_EQ(points[at->second], p);
     }
   }
-}
-
-TEST(PointIndex, TellsPointsApartByTheLastBit) {
-  PointIndex<glm::vec3> index;
-  std::vector<glm::vec3> points;
-  const float one = 1, next = std::nextafter(1.0f, 2.0f);
-  EXPECT_EQ(index.of({one, 0, 0}, points), 0u);
-  EXPECT_EQ(index.of({next, 0, 0}, points), 1u);
-  EXPECT_EQ(index.of({0, one, 0}, points), 2u);
-  EXPECT_EQ(index.of({0, 0, one}, points), 3u);
-  EXPECT_EQ(index.of({-0.0f, 0, one}, points), 4u);
-  EXPECT_EQ(index.of({next, 0, 0}, points), 1u);
 }
 
 // Few vertices, so that edges have many triangles; one that is a corner of all; and so many that several

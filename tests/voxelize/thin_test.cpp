@@ -56,14 +56,15 @@ struct Filled {
   }
 };
 
-Filled fill(const TriangleSoup& soup, Fill how = Fill::kAuto, int threads = 2) {
+Filled fill(const TriangleSoup& soup) {
+  constexpr int kThreads = 2;
   Filled filled;
   Frame frame;
   frame.size = filled.size = glm::ivec3(40);
   frame.voxel_size = 1;
-  filled.mesh = analyse(soup, frame, how);
+  filled.mesh = analyse(soup, frame, Fill::kAuto);
   filled.before.assign(40 * 40 * 40, kEmpty);
-  fillScanlines(filled.mesh, filled.size, threads, filled.before);
+  fillScanlines(filled.mesh, filled.size, kThreads, filled.before);
   // Touched voxels by brute force, and some beside them.
   const test::MeshTruth truth(soup, frame);
   const auto touched = [&truth](const glm::dvec3& middle) {
@@ -75,7 +76,7 @@ Filled fill(const TriangleSoup& soup, Fill how = Fill::kAuto, int threads = 2) {
   for (std::size_t i = 0; i < filled.before.size(); ++i)
     if (touched(glm::dvec3(filled.at(i)) + 0.5)) filled.touched.push_back(i);
   filled.after = filled.before;
-  keepThinParts(filled.mesh, TriangleBvh(filled.mesh), filled.touched, filled.size, threads, filled.after,
+  keepThinParts(filled.mesh, TriangleBvh(filled.mesh), filled.touched, filled.size, kThreads, filled.after,
                 {});
   return filled;
 }
@@ -130,73 +131,6 @@ TEST(Thin, ThickBodiesGainNothing) {
   TriangleSoup soup;
   test::addSphere(soup, {20, 20, 20}, 12.3f, 24);
   EXPECT_EQ(fill(soup).added(), 0u);
-}
-
-// Two plates with an empty voxel between them stay two.
-TEST(Thin, WhatLiesApartStaysApart) {
-  for (const float gap : {2.0f, 2.4f, 3.0f}) {
-    TriangleSoup soup;
-    test::addBox(soup, {5, 5, 10}, {35, 35, 10.3f});
-    test::addBox(soup, {5, 5, 10.3f + gap}, {35, 35, 10.6f + gap});
-    EXPECT_EQ(fill(soup).pieces(), 2) << gap;
-  }
-}
-
-TEST(Thin, IsTheSameOnAnyNumberOfThreads) {
-  TriangleSoup soup;
-  test::addRod(soup, {5, 6, 7}, {33, 30, 21}, 0.1f);
-  test::addRod(soup, {5, 30, 7}, {33, 6, 21}, 0.3f);
-  EXPECT_EQ(fill(soup, Fill::kAuto, 1).after, fill(soup, Fill::kAuto, 4).after);
-}
-
-// Cells that touch, found by walking from one to the next.
-TEST(Thin, MasksHangTogetherAsAWalkSays) {
-  std::mt19937 random(1);
-  const auto touch = [](int a, int b) {
-    return std::abs(a % 3 - b % 3) < 2 && std::abs(a / 3 % 3 - b / 3 % 3) < 2 && std::abs(a / 9 - b / 9) < 2;
-  };
-  int yes = 0;
-  for (int round = 0; round < 4000; ++round) {
-    std::uint32_t mask = random() & random() & random() & 0x7ffffffu & ~kCentreBit;
-    if (round % 2) mask &= random();
-    std::vector<int> reached;
-    for (int cell = 0; cell < 27 && reached.empty(); ++cell) {
-      if (mask >> cell & 1) reached.push_back(cell);
-    }
-    std::uint32_t left = mask;
-    if (!reached.empty()) left &= ~(1u << reached[0]);
-    for (std::size_t i = 0; i < reached.size(); ++i) {
-      for (int cell = 0; cell < 27; ++cell) {
-        if (!(left >> cell & 1) || !touch(cell, reached[i])) continue;
-        left &= ~(1u << cell);
-        reached.push_back(cell);
-      }
-    }
-    EXPECT_EQ(hangTogether(mask), left == 0) << mask;
-    yes += left == 0;
-  }
-  EXPECT_GT(yes, 400);
-  EXPECT_LT(yes, 3600);
-}
-
-TEST(Thin, NeighbourMasksReadTheVolume) {
-  const glm::ivec3 size(4, 3, 5);
-  std::mt19937 random(1);
-  std::vector<std::uint8_t> voxels(60);
-  for (std::uint8_t& voxel : voxels) voxel = static_cast<std::uint8_t>(random() % 3);
-  for (int z = 0; z < 5; ++z) {
-    for (int y = 0; y < 3; ++y) {
-      for (int x = 0; x < 4; ++x) {
-        const std::uint32_t mask = neighbourMask(voxels, size, {x, y, z});
-        for (int k = 0; k < 27; ++k) {
-          const int nx = x + k % 3 - 1, ny = y + k / 3 % 3 - 1, nz = z + k / 9 - 1;
-          const bool inside = nx >= 0 && ny >= 0 && nz >= 0 && nx < 4 && ny < 3 && nz < 5;
-          EXPECT_EQ(mask >> k & 1,
-                    inside && voxels[static_cast<std::size_t>(nx + 4 * (ny + 3 * nz))] != kEmpty ? 1u : 0u);
-        }
-      }
-    }
-  }
 }
 
 }  // namespace

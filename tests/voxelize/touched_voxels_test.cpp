@@ -98,14 +98,6 @@ TEST_F(TouchedVoxels, AreThoseOfAnyTriangle) {
                 glm::ivec3(8, 7, 9));
 }
 
-TEST_F(TouchedVoxels, AreThoseOfSmallTriangles) {
-  for (int i = 0; i < 3000; ++i) {
-    const glm::i64vec3 a = place(0, 4 * kUnit, 1);
-    const std::int64_t reach = i % 2 ? kUnit / 2 : 2 * kUnit;
-    expectExact({a, a + place(-reach, reach, 1), a + place(-reach, reach, 1)}, glm::ivec3(4));
-  }
-}
-
 // Corners in a few places, mostly on the faces, edges and corners of voxels: planes along the grid, and along
 // its diagonals, lines, points.
 TEST_F(TouchedVoxels, AreThoseOfTrianglesThatLieOnTheGrid) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include "kelp/fields/fields.h"
 #include "shapes.h"
@@ -68,14 +69,6 @@ TEST(Voxelize, TorusHasItsVolumeAndItsNormals) {
   EXPECT_LT(meanNormalError(baked.grid(), exact), 1.0);
 }
 
-TEST(Voxelize, BoxFillsEveryVoxelOfItsExtent) {
-  bake::TriangleSoup soup;
-  test::addBox(soup, {0, 0, 0}, {5, 8, 3});
-  const test::Baked baked = voxelizeUnit(test::makeModel(soup));
-  EXPECT_EQ(baked.grid().size, glm::ivec3(5, 8, 3));
-  EXPECT_EQ(baked.solid, 5u * 8u * 3u);
-}
-
 // Scanlines that run exactly through edges and vertices count each face once, however it is cut into
 // triangles.
 TEST(Voxelize, ScanlinesOnEdgesAndVerticesCountOnce) {
@@ -128,8 +121,10 @@ TEST(Voxelize, MixedWindingIsTheSameSolid) {
   bake::TriangleSoup soup;
   test::addSphere(soup, {0, 0, 0}, 20.0f, 40);
   const test::Baked consistent = voxelizeUnit(test::makeModel(soup));
-  for (std::size_t i = 0; i < soup.triangles.size(); i += 3)
-    std::swap(soup.triangles[i].vertex[0], soup.triangles[i].vertex[1]);
+  std::mt19937 random(1);
+  for (bake::TriangleSoup::Triangle& triangle : soup.triangles) {
+    if (random() % 2 == 0) std::swap(triangle.vertex[0], triangle.vertex[1]);
+  }
   const test::Baked mixed = voxelizeUnit(test::makeModel(soup));
   EXPECT_EQ(consistent.grid().solid, mixed.grid().solid);
 }
@@ -205,19 +200,15 @@ TEST(Voxelize, OverlappingAndNestedBodiesAreTheirUnion) {
   test::addBox(overlapping, {6, 0, 0}, {16, 10, 10});
   EXPECT_EQ(voxelizeUnit(test::makeModel(overlapping)).solid, 16u * 10u * 10u);
 
-  // The inner shell is wound inward, as a hollow ball is modelled: nobody sees the cavity, and it would cost
-  // memory.
-  bake::TriangleSoup nested, inner;
-  test::addBox(nested, {0, 0, 0}, {20, 20, 20});
-  test::addBox(inner, {5, 5, 5}, {15, 15, 15});
-  test::turnInsideOut(inner);
-  for (bake::TriangleSoup::Triangle triangle : inner.triangles) {
-    for (std::uint32_t& vertex : triangle.vertex)
-      vertex += static_cast<std::uint32_t>(nested.positions.size());
-    nested.triangles.push_back(triangle);
+  // The inner shell may be wound inward, as a hollow ball is modelled: nobody sees the cavity, and it would
+  // cost memory.
+  for (const bool inward : {false, true}) {
+    bake::TriangleSoup nested;
+    test::addBox(nested, {5, 5, 5}, {15, 15, 15});
+    if (inward) test::turnInsideOut(nested);
+    test::addBox(nested, {0, 0, 0}, {20, 20, 20});
+    EXPECT_EQ(voxelizeUnit(test::makeModel(nested)).solid, 20u * 20u * 20u) << inward;
   }
-  nested.positions.insert(nested.positions.end(), inner.positions.begin(), inner.positions.end());
-  EXPECT_EQ(voxelizeUnit(test::makeModel(nested)).solid, 20u * 20u * 20u);
 }
 
 TEST(Voxelize, NormalsIgnoreTrianglesHiddenInTheUnion) {

@@ -118,25 +118,6 @@ std::size_t connectedCount(const test::Baked& baked) {
   return count;
 }
 
-// Wires far thinner than a voxel, in all directions: in one piece from end to end.
-TEST(VoxelizeThin, WiresStayInOnePiece) {
-  const glm::vec3 ends[] = {{40, 0, 0}, {40, 13, 7}, {33, 40, 21}, {5, 40, -17}, {31, 29, 30}};
-  for (const glm::vec3& end : ends) {
-    for (const float radius : {0.02f, 0.2f, 0.4f}) {
-      bake::TriangleSoup soup;
-      test::addRod(soup, {0, 0, 0}, end, radius);
-      const test::Baked baked = voxelizeUnit(test::makeModel(soup));
-      const double length = std::max({std::abs(end.x), std::abs(end.y), std::abs(end.z)});
-      EXPECT_GE(static_cast<double>(baked.solid), length - 1)
-          << "to " << end.x << " " << end.y << " " << end.z << " radius " << radius;
-      EXPECT_LE(static_cast<double>(baked.solid), 3.0 * length + 3)
-          << "to " << end.x << " " << end.y << " " << end.z << " radius " << radius;
-      EXPECT_EQ(connectedCount(baked), baked.solid)
-          << "to " << end.x << " " << end.y << " " << end.z << " radius " << radius;
-    }
-  }
-}
-
 TEST(VoxelizeThin, TipsOfThickBodiesStay) {
   bake::TriangleSoup soup;  // a spike of 3 x 3 voxels that ends in a point 60 away
   const glm::vec3 base[4] = {{0, 0, 0}, {3, 0, 0}, {3, 0, 3}, {0, 0, 3}};
