@@ -58,29 +58,6 @@ class BuildSteps(Case):
                                 (["-MD", "-MT", ""], "--deps-target: is empty")):
             self.fails(1, "1.obj", "-o", "x.kelp", *arguments, says=[says])
 
-    @unittest.skipUnless(shutil.which("make") and shutil.which("ninja"),
-                         "make or ninja is not installed: apt-get install make ninja-build")
-    def test_a_file_that_is_gone_stops_no_build_with_phony_targets(self):
-        self.textured("in")
-        command = "%s in/box.obj -o out.kelp --resolution 4 -MD" % shlex.quote(KELP_BAKE)
-        for phony in ("", " -MP"):
-            self.write("in/the box.mtl", "newmtl skin\nmap_Kd the $kin.tga\n")
-            self.write(
-                "Makefile", "all: out.kelp\n-include out.kelp.d\nout.kelp:\n\t%s\n" % (command + phony))
-            self.write("build.ninja", "rule bake\n  command = %s\n  depfile = out.kelp.d\n"
-                                      "build out.kelp: bake in/box.obj\n" % (command + phony))
-            for builder in ("make", "ninja"):
-                self.write("in/the $kin.tga", PIXEL)
-                self.assertEqual(subprocess.run([builder], cwd=self.folder, capture_output=True).returncode,
-                                 0, builder + phony)
-                self.write("in/the box.mtl", "newmtl skin\n")
-                os.remove(self.path("in/the $kin.tga"))
-                result = subprocess.run([builder], cwd=self.folder, capture_output=True)
-                self.assertEqual(result.returncode == 0, builder == "ninja" or bool(phony), result.stderr)
-                self.write("in/the box.mtl", "newmtl skin\nmap_Kd the $kin.tga\n")
-                if os.path.exists(self.path("out.kelp.d")):
-                    os.remove(self.path("out.kelp.d"))
-
     def test_buffers_and_pictures_of_gltf(self):
         points = bytes.fromhex("0000000000000000000000000000803f00000000000000000000"
                                "00000000803f0000000000000000000000000000803f")

@@ -193,12 +193,6 @@ class Contained(Case):
                              "--max-import-time", "1"), 4,
                   "1.obj: its bake has not moved for 1 s after the file was read; ")
 
-    def test_a_crash_as_json(self):
-        process = self.start("crash 1.obj", "1.obj", "-o", "x.kelp", "--progress", "json")
-        for line in process.communicate(timeout=60)[1].splitlines():
-            last = json.loads(line)
-        self.assertEqual((last["kind"], last["exit"]), ("error", 4))
-
     def test_a_hang(self):
         self.ends(self.start("hang 2.obj", "2.obj", "-o", "out.kelp", "--max-import-time", "1"), 4,
                   "2.obj: reading it takes longer than 1 s; ", "--max-import-time")

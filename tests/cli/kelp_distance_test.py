@@ -210,12 +210,6 @@ class Distance(Case):
         self.assertEqual([p.name for p in folder.iterdir()], ["ball.occupancy.npy"])
         self.run_program(DUMP, "verify", "--deep", bare)
 
-    def test_info_and_diff_tell_of_them(self):
-        pack = self.bake(self.write_ball())
-        self.assertIn("distances of 5 levels", self.run_program(DUMP, "info", pack).stdout)
-        self.assertIn("DIST", self.run_program(DUMP, "info", pack, "--count").stdout)
-        self.run_program(DUMP, "diff", pack, pack)
-
     def test_deep_verification_finds_what_contradicts_the_voxels(self):
         # The distances of one ball beside the voxels of another: the reader alone cannot tell.
         a = self.bake(self.write_ball("a.obj"), "--resolution", 32, name="a.kelp").read_bytes()
@@ -228,14 +222,6 @@ class Distance(Case):
         self.assertIn("squared distance", said.stdout + said.stderr)
         said = self.run_program(DUMP, "diff", lie, self.folder / "a.kelp", code=7).stdout
         self.assertIn("at another distance, first at", said)
-
-    def test_wrong_requests(self):
-        pack = self.bake(self.write_ball())
-        file = self.folder / "file"
-        file.write_text("")
-        self.run_program(DUMP, "extract", pack, "--npy", file, code=2)
-        self.run_program(DUMP, "extract", pack, "--npy", "-", code=1)
-        self.run_program(DUMP, "extract", pack, "--npy", self.folder / "x", "--level", 9, code=1)
 
 
 def mixed(voxels, distances):

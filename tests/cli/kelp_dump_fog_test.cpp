@@ -6,7 +6,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "kelp/rig/rig.h"
 #include "process.h"
 #include "support/fog_pack.h"
 #include "support/json_schema.h"
@@ -131,13 +130,6 @@ TEST_F(KelpDumpFog, InfoCountsWhatIsThere) {
   write(test::fogPack(test::fogOf(kSize, test::puffs), 0.5f));
   EXPECT_EQ(dumpJson({"info"}, 0)["parts"][0]["fog"]["ramp"], json::array());
   EXPECT_NE(dump({"info"}).out.find("; no heat"), std::string::npos);
-}
-
-TEST_F(KelpDumpFog, RigPrintsWhatTheBakerReads) {
-  write(test::fogPack(glowingPuffs(), 0.5f));
-  const ProcessResult result = dump({"rig"});
-  EXPECT_EQ(result.exit, 0) << result.err;
-  EXPECT_GE(parseRig(result.out).knots.size(), 2u);
 }
 
 TEST_F(KelpDumpFog, VerifyAcceptsSoundPacks) {

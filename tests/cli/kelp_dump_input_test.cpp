@@ -130,12 +130,16 @@ TEST_F(Input, BytesThatFlip) {
 TEST_F(Input, ContradictionsAreUsageErrors) {
   const std::string out = folder_ / "out";
   for (const std::vector<std::string>& arguments :
-       std::vector<std::vector<std::string>>{{"info"},
+       std::vector<std::vector<std::string>>{{},
+                                             {"inf"},
+                                             {"info"},
                                              {"info", good_, good_},
                                              {"info", good_, "--deep"},
                                              {"verify", good_, "--count"},
                                              {"verify", good_, "--format", "xml"},
                                              {"diff", good_},
+                                             {"diff", good_, good_, good_},
+                                             {"rig", good_, "--format", "json"},
                                              {"rig", good_, "-o", out},
                                              {"rig", good_, "--set", out},  // is gone
                                              {"rig", good_, "--axis", "w"},
@@ -144,7 +148,7 @@ TEST_F(Input, ContradictionsAreUsageErrors) {
                                              {"schema", "knitting"},
                                              {"schema", "info", "verify"}}) {
     const ProcessResult result = test::dump(arguments);
-    EXPECT_EQ(result.exit, 1) << arguments[0] << ": " << result.err;
+    EXPECT_EQ(result.exit, 1) << result.err;
     EXPECT_EQ(result.out, "");
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_FALSE(std::filesystem::exists(out));

@@ -128,13 +128,6 @@ TEST_P(BrokenStreamTest, AFileThatBecomesAnotherKeepsWhatCame) {
   keepsWhatCame(other, ErrorCode::kChecksum);
 }
 
-TEST_P(BrokenStreamTest, ATruncatedFileOpensWithAnError) {
-  for (std::size_t size = 0; size < bytes().size(); size = size < 2000 ? size + 37 : 2 * size) {
-    HostSource source({bytes().begin(), bytes().begin() + static_cast<std::ptrdiff_t>(size)});
-    EXPECT_FALSE(Asset::open(source.source())) << size;
-  }
-}
-
 TEST_P(BrokenStreamTest, AReaderThatFailsForEverOrNowAndThen) {
   const DepthCanvas canvas(GetParam(), {60, 80}, GL_DEPTH_COMPONENT32F);
   HostSource source(bytes());
@@ -319,13 +312,6 @@ TEST_P(BrokenStreamTest, CallsInAWrongOrder) {
   ASSERT_TRUE(drawn);
   EXPECT_EQ(drawn->instances, 1u);
   EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
-  // After the end.
-  renderer_->abandon();
-  renderer_->abandon();
-  renderer_->remove(*asset);
-  EXPECT_EQ(renderer_->add(*asset).error().code, ErrorCode::kMisuse);
-  EXPECT_EQ(renderer_->upload(1 << 20).error().code, ErrorCode::kMisuse);
-  EXPECT_EQ(renderer_->draw(view, {&instance, 1}).error().code, ErrorCode::kMisuse);
 }
 
 KELP_GL_TESTS(BrokenStreamTest);

@@ -161,13 +161,11 @@ TEST_F(Residents, SettleWhenTheCameraRestsHoweverTheWindBlows) {
   for (const float reach : {0.0f, 0.1f, 0.3f, 0.5f}) {
     const int last = framesToRest(*renderer, meadow, flight({48, 36}, 1.8f), 1500, reach, budget);
     EXPECT_LT(last, 1000) << "wind " << reach;
-    RecordProperty("frames_to_rest_in_wind_" + std::to_string(static_cast<int>(100 * reach)), last + 1);
   }
   // Another place, and back.
   (void)framesToRest(*renderer, meadow, flight({48, 36}, 0.2f), 100, 0.2f, budget);
   const int back = framesToRest(*renderer, meadow, flight({48, 36}, 1.8f), 2500, 0.2f, budget);
   EXPECT_LT(back, 1000);
-  RecordProperty("frames_to_rest_back", back + 1);
 }
 
 TEST_F(Residents, AreCoarseWhereAVolumeIsLargerThanTheBudget) {
@@ -235,7 +233,6 @@ TEST_F(Residents, SettleInAQuarterOfTheMemoryToo) {
     const gl::View view = flight({400, 300}, 0.0f);
     const int last = framesToRest(*renderer, meadow, view, 2500, 0.2f, ~std::uint64_t{0});
     EXPECT_LT(last, 1200) << budget;
-    RecordProperty("frames_to_rest_with_budget_" + std::to_string(budget), last + 1);
     for (const auto& asset : meadow.assets) EXPECT_LE(asset->memory(), options.memory_budget);
     const auto drawn = renderer->draw(view, meadow.instances);
     ASSERT_TRUE(drawn);

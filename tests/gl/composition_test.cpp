@@ -231,6 +231,24 @@ TEST_P(CompositionTest, TrianglesAndVoxelsHideEachOtherInEveryConvention) {
   }
 }
 
+TEST_P(CompositionTest, TheDepthPassWritesTheColorPassesDepthAndNoColor) {
+  const Canvas canvas({160, 120});
+  const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
+  const gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
+  ASSERT_TRUE(renderer->draw(view, {&instance_, 1}));
+  const std::vector<Pixel> alone = canvas.pixels();
+  const std::vector<float> depth_alone = desktop() ? canvas.depths() : std::vector<float>();
+
+  canvas.clear();
+  ASSERT_TRUE(renderer->draw(view, {&instance_, 1}, gl::Pass::kDepth));
+  for (const Pixel& pixel : canvas.pixels()) ASSERT_EQ(pixel, Pixel{});
+  if (desktop()) {
+    EXPECT_EQ(canvas.depths(), depth_alone);
+  }
+  ASSERT_TRUE(renderer->draw(view, {&instance_, 1}));
+  EXPECT_EQ(canvas.pixels(), alone);
+}
+
 // With the depth of the scene known, the picture stays as it is, to the pixel, whatever the format of the
 // depth and the part of its range.
 TEST_P(CompositionTest, TheScenesDepthChangesNoPicture) {

@@ -9,7 +9,6 @@
 
 #include "canvas.h"
 #include "count_new.h"
-#include "depth_copy.h"
 #include "support/edit_knots.h"
 #include "support/fake_gl.h"
 #include "swept_pack.h"
@@ -149,52 +148,6 @@ TEST_P(InstancingTest, DepthBatchesDoNotChangeThePicture) {
     view.quality.depth_batches = bad;
     EXPECT_FALSE(renderer->draw(view, instances_));
   }
-}
-
-// The texture that the rays of a batch end at is the framebuffer's depth, wherever the viewport is, and grows
-// with it alone.
-TEST_P(InstancingTest, TheCopyIsTheDepth) {
-  if (!desktop()) return;  // OpenGL ES reads no depth textures
-  const auto renderer = makeBoth();
-  throwHeap(30, 4, 0.7f);
-  gl::Api api;
-  ASSERT_TRUE(gl::loadApi(EglContext::getProcAddress, nullptr, api));
-  gl::DepthCopy copy;
-  copy.create(api);
-  glm::ivec2 stored(0);
-  for (const glm::ivec2 size : {glm::ivec2(60, 80), glm::ivec2(120, 90), glm::ivec2(50, 40)}) {
-    const Canvas canvas(size);
-    const glm::ivec2 corner(7, 11);
-    glViewport(corner.x, corner.y, size.x - corner.x, size.y - corner.y);
-    ASSERT_TRUE(renderer->draw(lookAt(size - corner, {0, 0.5f, 4}, {0, 0, 0}), instances_));
-    ASSERT_TRUE(copy.prepare(api));
-    copy.copy(api);
-    stored = glm::max(stored, size);
-    GLint bound[2] = {}, width = 0, height = 0;
-    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound[0]);
-    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &bound[1]);
-    EXPECT_NE(bound[0], 0);
-    EXPECT_EQ(bound[0], bound[1]);
-    glBindTexture(GL_TEXTURE_2D, copy.texture());
-    glGetTexLevelParameteriv(GL_TEXTURE_2D, 0, GL_TEXTURE_WIDTH, &width);
-    glGetTexLevelParameteriv(GL_TEXTURE_2D, 0, GL_TEXTURE_HEIGHT, &height);
-    EXPECT_EQ(glm::ivec2(width, height), stored);
-    std::vector<float> texels(static_cast<std::size_t>(width * height));
-    glGetTexImage(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT, GL_FLOAT, texels.data());
-    const std::vector<float> depths = canvas.depths();
-    int drawn_pixels = 0, wrong = 0;
-    for (int y = corner.y; y < size.y; ++y) {
-      for (int x = corner.x; x < size.x; ++x) {
-        const float depth = depths[static_cast<std::size_t>(x + size.x * y)];
-        drawn_pixels += depth < 1;
-        wrong += texels[static_cast<std::size_t>(x + width * y)] != depth;
-      }
-    }
-    EXPECT_GT(drawn_pixels, 100);
-    EXPECT_EQ(wrong, 0);
-  }
-  copy.destroy(api);
-  EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
 }
 
 TEST_P(InstancingTest, DepthBatchesWorkWithEveryDepthFormatAndLeaveOthersAlone) {

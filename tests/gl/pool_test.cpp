@@ -129,39 +129,5 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
   EXPECT_GT(refusals, 100);
 }
 
-// 262,144 blocks.
-TEST_F(PoolTest, FreePlacesGrowTogether) {
-  Pool pool{Allocator{}};
-  ASSERT_TRUE(pool.create(api_, std::uint64_t{1} << 30));
-  ResidentLevel level;
-  for (std::uint32_t row = 1; row < pool.rows(); ++row) {
-    ASSERT_EQ(pool.findFree(1), row);
-    ASSERT_TRUE(pool.take({row, 1, &level, row}));
-  }
-  EXPECT_EQ(pool.findFree(1), 0u);
-  pool.giveBack(1000);
-  EXPECT_EQ(pool.findFree(2), 0u);
-  pool.giveBack(1001);
-  EXPECT_EQ(pool.findFree(2), 1000u);
-  EXPECT_EQ(pool.findFree(1), 1000u);
-  pool.giveBackIf([](const Pool::Block& block) { return block.level != nullptr; });
-  EXPECT_EQ(pool.usedBytes(), std::uint64_t{Pool::kRowBytes});
-  EXPECT_EQ(pool.findFree(pool.rows() - 1), 1u);
-}
-
-TEST_F(PoolTest, AGridIsDearerThanItsPagesAndCheaperThanTheNextLevel) {
-  ResidentLevel level;
-  for (const float priority : {8.0f, 0.001f, 1e20f, -1.0f, -300.0f}) {
-    level.worth.update(priority, false, false);
-    const float page = gl::worthOf({1, 1, &level, 0}), grid = gl::worthOf({1, 1, &level, Pool::Block::kGrid});
-    EXPECT_GT(grid, page);
-    if (priority > 0) {
-      EXPECT_LT(grid, 2 * priority);
-    } else {
-      EXPECT_LT(grid, 0);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace kelp::test

@@ -80,8 +80,6 @@ TEST_P(StreamingTest, TheFirstPictureTakesFewBytes) {
   EXPECT_EQ(level, 4);
   EXPECT_LE(bytes, kFirstPicture);
   EXPECT_GT(source.bytes().size(), 8 * kFirstPicture) << "the pack is too small to tell";
-  RecordProperty("bytes", static_cast<int>(bytes));
-  RecordProperty("of", static_cast<int>(source.bytes().size()));
 }
 
 #ifdef KELP_BAKE
@@ -103,8 +101,6 @@ TEST_P(StreamingTest, TheFirstPictureOfARealPackTakesFewBytes) {
   int level = 0;
   const std::uint64_t bytes = bytesToFirstPicture(source, level);
   EXPECT_LE(bytes, kFirstPicture);
-  RecordProperty("bytes", static_cast<int>(bytes));
-  RecordProperty("of", static_cast<int>(pack.size()));
 }
 #endif
 
@@ -183,7 +179,6 @@ TEST_P(StreamingTest, EveryFrameIsNearerToTheLastOne) {
     }
     EXPECT_EQ(errors.back().color, 0);
     EXPECT_EQ(errors.back().depth, 0);
-    RecordProperty(bent ? "frames_bent" : "frames_straight", static_cast<int>(errors.size()));
   }
 }
 
@@ -270,7 +265,6 @@ TEST_P(StreamingTest, FlyingAwayIsSmoothAndForgotten) {
   std::sort(changes.begin(), changes.end());
   const double median = changes[changes.size() / 2];
   EXPECT_LT(changes.back(), 3 * median);
-  RecordProperty("largest_change_of_median", std::to_string(changes.back() / median));
   for (int frame = kFrames - 1; frame >= 0; frame -= 7) {
     ASSERT_TRUE(renderer->upload(1 << 20));
     const Picture back = take(*renderer, canvas, viewAt(frame), {&instance, 1});

@@ -140,38 +140,6 @@ TEST(ViewerBend, ACurlIsMadeWithHandlesAndKept) {
   }
 }
 
-TEST(ViewerBend, WhatWouldFoldIsRefusedAndSaysWhere) {
-  RigDescription rig = straight(3, Bend::kSweep);
-  const OpenPack open(slim(rig, kThick));
-  RigEditor editor(*open.pack);
-  const RigDescription before = editor.rig(0);
-  const auto refusal = [&](const RigDescription& wanted) {
-    const std::string said = editor.change(0, wanted);
-    EXPECT_EQ(editor.rig(0), before);
-    return said;
-  };
-  const auto expectSaid = [&](const RigDescription& wanted, const char* place, const char* what) {
-    const std::string said = refusal(wanted);
-    EXPECT_TRUE(said.starts_with(place)) << said;
-    EXPECT_NE(said.find(what), std::string::npos) << said;
-  };
-  rig = before;
-  rig.knots[2].tangent = {0.5f, -1, 0};
-  expectSaid(rig, "knot 1 (at 0.5): ", "may not fold");
-  rig.knots[2].tangent = {0, -1, 0};  // against the tangent before
-  expectSaid(rig, "knot 1 (at 0.5): ", "may not fold");
-  rig.knots[2].tangent = glm::vec3(0);
-  expectSaid(rig, "knot 2 (at 1): ", "is zero");
-  rig = before;
-  rig.knots[0].tangent = rig.knots[1].tangent = {0, 1, 0};
-  rig.knots[1].offset = {0, -0.5f, 0};
-  expectSaid(rig, "knot 0 (at 0): ", "on one point");
-  rig = before;
-  rig.clips.push_back({"nod", 1, {{2, Target::kKnotTangent, {1, -2, 0}, 1, 0}}, {}});
-  expectSaid(rig, "clip 'nod', part 0: at ", "knot 1 (at 0.5): ");
-  EXPECT_FALSE(editor.canUndo());
-}
-
 TEST(ViewerBend, AHandleThatWouldFoldThePartComesAsNearAsItGets) {
   const OpenPack open(slim(straight(2, Bend::kSweep), kThick));
   RigEditor editor(*open.pack);
@@ -283,20 +251,6 @@ TEST_F(SweptViewer, ATangentIsDraggedBeyondTheHorizontal) {
     EXPECT_LT(glm::distance(pixelOf(tip), mouse), 0.1f) << degrees;
   }
   EXPECT_LT(model_->knot(0, 2).tangent.y, -0.5f);
-}
-
-TEST_F(SweptViewer, APoseThatWouldFoldIsClampedAndTheWayBackIsShort) {
-  open(straight(2, Bend::kSweep), kThick);
-  const Handle top{0, 1, Kind::kKnot};
-  const glm::vec2 start = pixelOf(top);
-  for (int move = 1; move <= 5; ++move) {
-    drag(*model_, top, camera_, start + glm::vec2(30, 150 * move));
-    model_->pose(0);
-    EXPECT_TRUE(model_->instance().pose->check()) << move;
-  }
-  drag(*model_, top, camera_, start);
-  model_->pose(0);
-  EXPECT_LT(glm::distance(pixelOf(top), start), 0.1f);
 }
 
 TEST_F(SweptViewer, ARollPlaysAtOnceAndAnotherBendIsReread) {

@@ -100,50 +100,6 @@ TEST(ViewerRig, APartThatIsTurnedInItsFileIsWrittenInTheFilesAxes) {
   EXPECT_NE(RigEditor(*other.pack).axes(0).trouble.find("extras.kelp"), std::string::npos);
 }
 
-TEST(ViewerRig, HowAPartBendsIsKept) {
-  RigDescription curl;
-  curl.axis = Axis::kMinusZ;
-  curl.bend = Bend::kSweep;
-  curl.roll = 0.123456f;
-  const glm::mat3 to_artist = glm::transpose(axisRotation(Axis::kMinusZ));
-  // Up, over to the side and down again: twice as wide as the part, which is half as wide as it is tall.
-  curl.knots = {{0, glm::vec3(0), to_artist * glm::vec3(0, 3, 0)},
-                {0.5f, to_artist * glm::vec3(1, 0.5f, 0), to_artist * glm::vec3(3, 0, 0)},
-                {1, to_artist * glm::vec3(2, -1, 0), to_artist * glm::vec3(0, -3, 0)}};
-  const OpenPack open(packWith(curl));
-  ASSERT_TRUE(open.pack) << open.pack.error().detail;
-  RigEditor editor(*open.pack);
-  EXPECT_EQ(editor.rig(0).bend, Bend::kSweep);
-  EXPECT_EQ(editor.rig(0).roll, 0.123456f);
-  EXPECT_TRUE(editor.isIn(*open.pack));
-  EXPECT_EQ(parseRig(printRig(editor.rig(0))).roll, 0.123456f);
-  const PackRig realized = editor.realized();
-  EXPECT_EQ(realized.parts[0].bend, Bend::kSweep);
-  EXPECT_EQ(realized.parts[0].roll, 0.123456f);
-
-  const auto sketch = RigSketch::make(realized);
-  ASSERT_TRUE(sketch) << sketch.error().detail;
-  MemorySource memory(open.bytes);
-  Rerigged rerigged(memory.source(), *open.pack, **sketch);
-  const Result<Pack> shown = Pack::open(rerigged.source());
-  ASSERT_TRUE(shown) << shown.error().detail;
-  EXPECT_EQ(shown->parts()[0].bend, Bend::kSweep);
-  EXPECT_EQ(shown->parts()[0].roll, 0.123456f);
-
-  RigDescription other = editor.rig(0);
-  other.roll = 0.2f;
-  EXPECT_EQ(editor.change(0, other), "");
-  EXPECT_FALSE(editor.isIn(*open.pack));
-  RigDescription sheared = other;
-  sheared.bend = Bend::kShear;
-  sheared.roll = 0;
-  EXPECT_NE(editor.change(0, sheared), "") << "it turns back";
-  RigDescription folded = other;
-  folded.knots[1].offset *= 0.1f;
-  folded.knots[2].offset *= 0.1f;
-  EXPECT_NE(editor.change(0, folded).find("fold"), std::string::npos);
-}
-
 TEST(ViewerRig, InfoIsNotTrusted) {
   for (const std::string& info : {std::string("[1, 2]"), std::string("{\"options\": 3}"), std::string("{"),
                                   std::string(100000, '['), std::string("\xff")}) {

@@ -50,18 +50,6 @@ TEST(FileWatch, SeesEveryWayToSaveOnceItStandsStill) {
   EXPECT_FALSE(look());
 }
 
-TEST(FileWatch, LooksNowAndThenOnly) {
-  const test::Scratch scratch;
-  const std::string path = scratch.write("reed.glb", "one").string();
-  FileWatch watch;
-  watch.watch({path});
-  EXPECT_FALSE(watch.changed(0));
-  scratch.write("reed.glb", "other");
-  for (double now = 0.001; now < kStep; now += 0.01) EXPECT_FALSE(watch.changed(now));
-  watch.changed(1);
-  EXPECT_TRUE(watch.changed(2));
-}
-
 TEST(FileWatch, AFileThatChangedWhileItWasReadIsChanged) {
   const test::Scratch scratch;
   const std::int64_t before = FileWatch::clock() - 1000000000;
@@ -196,13 +184,12 @@ TEST_F(WorkshopTest, AChangeInTheMidstOfABakeBeginsItAnew) {
 
 TEST_F(WorkshopTest, TheBakeEndsWithTheViewer) {
   scratch_.write("reed.glb", "slow");
-  const auto start = FileWatch::clock();
   {
     Workshop workshop(order(), program_);
     wait(workshop, 20);
     EXPECT_TRUE(workshop.job().running());
   }
-  EXPECT_LT(FileWatch::clock() - start, 5000000000);
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "reed.kelp")) << "it was waited for";
 }
 
 TEST_F(WorkshopTest, ASavedRigIsBakedWhateverTheRigWasBefore) {

@@ -70,26 +70,6 @@ TEST(Asset, LoadsWhatWasWritten) {
   EXPECT_EQ((*asset)->level(-1, -1), nullptr);
 }
 
-TEST(Asset, LevelsArriveCoarseToFine) {
-  const std::vector<std::byte> bytes = clumpBytes();
-  MemorySource source(bytes);
-  auto asset = Asset::open(source.source());
-  ASSERT_TRUE(asset);
-  int finest = (*asset)->pack().parts()[0].levels;
-  while (true) {
-    const Result<bool> more = (*asset)->pump();
-    ASSERT_TRUE(more);
-    if (!*more) break;
-    if (const std::optional<int> now = (*asset)->residentLevel(0)) {
-      EXPECT_LE(*now, finest);
-      finest = *now;
-      for (int l = *now; l < (*asset)->pack().parts()[0].levels; ++l)
-        EXPECT_NE((*asset)->level(0, l), nullptr);
-    }
-  }
-  EXPECT_EQ(finest, 0);
-}
-
 TEST(Asset, AnyNumberOfThreadsMayPump) {
   const std::vector<std::byte> bytes = fullBytes();
   MemorySource source(bytes);

@@ -106,16 +106,6 @@ TEST(Clip, SinesErrByLessThanAMillionth) {
   EXPECT_LT(worst, 4e-7);
 }
 
-TEST(Clip, AnOffsetInTimeIsAPhase) {
-  const RawPack pack = waves();
-  Loaded loaded(pack);
-  Pose late = *Pose::create(*loaded.asset), other = *Pose::create(*loaded.asset);
-  ASSERT_TRUE(addClip(*loaded.asset, 0, 0.2 + 1.7, 1, late));
-  ASSERT_TRUE(addClip(*loaded.asset, 0, 1.9, 1, other));
-  for (std::size_t i = 0; i < 4; ++i)
-    EXPECT_LT(glm::distance(late.knots(1)[i].position, other.knots(1)[i].position), 1e-5f);
-}
-
 TEST(Clip, TimesBeyondAllPhasesAreHarmless) {
   const RawPack pack = waves();
   Loaded loaded(pack);

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "kelp/formats/page.h"
-#include "kelp/runtime/instance.h"
 #include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 #include "loaded.h"
@@ -91,9 +90,9 @@ void expectSameVoxels(const Asset& asset, const Asset& truth) {
   }
 }
 
-std::unique_ptr<Asset> openSlowly(SlowSource& slow, const AssetOptions& options = {}) {
+std::unique_ptr<Asset> openSlowly(SlowSource& slow) {
   for (int tick = 0; tick < 10'000; ++tick, slow.tick()) {
-    auto opened = Asset::open(slow.source(), options);
+    auto opened = Asset::open(slow.source());
     if (opened) return *std::move(opened);
     EXPECT_EQ(opened.error().code, ErrorCode::kNotYet) << opened.error().detail;
   }
@@ -205,35 +204,6 @@ TEST(WaitingSource, WhatWaitedForAnotherCallerIsAskedForAgain) {
   ASSERT_TRUE(once.asked);
   EXPECT_TRUE(asset->loadAll());
   EXPECT_EQ(asset->residentLevel(0), 0);
-}
-
-// Within a memory budget that everything exceeds, without a renderer: rays say what is wanted.
-TEST(WaitingSource, RaysBringWhatTheyNeedInLittleMemory) {
-  Loaded truth(test::packOf(test::dust({96, 128, 96}, 40, 4)));
-  SlowSource slow(slowDustBytes(), 7, 5);
-  AssetOptions options;
-  options.memory_budget = truth.asset->memory() / 3;
-  const std::unique_ptr<Asset> asset = openSlowly(slow, options);
-  ASSERT_TRUE(asset);
-  const Instance instance{asset.get()}, exact{truth.asset.get()};
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> unit(-0.3f, 0.3f);
-  int fine = 0;
-  for (int ray_number = 0; ray_number < 30; ++ray_number) {
-    const Ray ray{{unit(random), 0.5f + unit(random), 2}, {0.1f * unit(random), 0.1f * unit(random), -1}};
-    const auto wanted = raycast(exact, ray);
-    for (int tick = 0; tick < 200; ++tick, slow.tick()) {
-      const auto hit = raycast(instance, ray);
-      if (hit.has_value() == wanted.has_value() &&
-          (!hit || (hit->level == 0 && hit->voxel == wanted->voxel))) {
-        ++fine;
-        break;
-      }
-      while (*asset->pump()) continue;
-      ASSERT_LE(asset->memory(), options.memory_budget);
-    }
-  }
-  EXPECT_EQ(fine, 30);
 }
 
 }  // namespace
