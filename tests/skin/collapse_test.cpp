@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "quantile.h"
 #include "rigid.h"
+#include "samples.h"
 #include "skin_shapes.h"
 
 namespace kelp::bake {

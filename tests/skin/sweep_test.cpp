@@ -12,7 +12,6 @@
 #include "keys.h"
 #include "rigid.h"
 #include "skin_shapes.h"
-#include "solve.h"
 #include "sweep_fit.h"
 
 namespace kelp::bake {
