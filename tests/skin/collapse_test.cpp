@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "rigid.h"
+#include "samples.h"
 #include "skin_shapes.h"
 
 namespace kelp::bake {

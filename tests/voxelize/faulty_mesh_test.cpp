@@ -13,7 +13,6 @@
 
 #include <OpenMesh/Tools/Utils/MeshCheckerT.hh>
 
-#include "holes.h"
 #include "support/all_tests.h"
 
 namespace kelp::bake {

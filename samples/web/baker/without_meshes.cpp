@@ -4,7 +4,7 @@
 #include "kelp/bake/bake.h"
 #include "kelp/common/error.h"
 #include "kelp/voxelize/voxelize.h"
-#include "skin_parts.h"
+#include "steps.h"
 
 namespace kelp::bake {
 namespace {

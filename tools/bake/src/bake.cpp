@@ -5,25 +5,22 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "info_json.h"
 #include "kelp/common/error.h"
 #include "kelp/common/memory.h"
 #include "kelp/common/parallel.h"
 #include "kelp/formats/fog.h"
 #include "kelp/import/core/memory_estimate.h"
 #include "kelp/import/core/padding.h"
-#include "levels.h"
 #include "part_frames.h"
 #include "part_notices.h"
-#include "part_rigs.h"
-#include "part_size.h"
-#include "placement.h"
-#include "skin_parts.h"
+#include "steps.h"
 
 namespace kelp::bake {
 namespace {

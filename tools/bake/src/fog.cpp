@@ -8,7 +8,7 @@
 #include "kelp/common/parallel.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/fog.h"
-#include "levels.h"
+#include "steps.h"
 
 namespace kelp::bake {
 namespace {

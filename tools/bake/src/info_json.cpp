@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "info_json.h"
-
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -8,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kelp/common/hash.h"
+#include "steps.h"
 
 namespace kelp::bake {
 

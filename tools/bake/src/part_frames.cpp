@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "kelp/import/core/padding.h"
+#include "steps.h"
 
 namespace kelp::bake {
 namespace {
@@ -60,6 +61,11 @@ void checkPlaces(const SourceModel& model, const std::vector<Frame>& frames,
               "{}: voxels of {:.4g} m are beyond what 32-bit floats can draw ({:g} to {:g}); scale the model",
               partPlace(input, part), edge, kSmallestVoxel, kLargestVoxel));
   }
+}
+
+glm::mat4x3 placed(const glm::dmat3& outer, const glm::mat4x3& inner) {
+  return {glm::vec3(outer * glm::dvec3(inner[0])), glm::vec3(outer * glm::dvec3(inner[1])),
+          glm::vec3(outer * glm::dvec3(inner[2])), glm::vec3(outer * glm::dvec3(inner[3]))};
 }
 
 }  // namespace
@@ -121,6 +127,58 @@ glm::mat4x3 voxelsToObject(const SourcePart& part) {
 double placeError(const SourcePart& part) {
   return glm::length(glm::dvec3(voxelsToObject(part)[3]) -
                      glm::dvec3(composeExactly(part.to_object, part.volumeToNode())[3]));
+}
+
+void placeInObject(SourceModel& model, const ImportSettings& settings) {
+  const Axis up = settings.up.value_or(model.up);
+  if (up == Axis::kPlusY && settings.unit == 1) return;
+  // As exporters turn: a quarter turn about x or z, for -y half a turn about x.
+  const glm::dmat3 outer = settings.unit * glm::dmat3(axisRotation(up));
+  for (SourcePart& part : model.parts) {
+    part.to_object = placed(outer, part.to_object);
+    part.pivot = placed(outer, part.pivot);
+  }
+}
+
+PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad) {
+  PartSize result;
+  if (part.grid) {
+    result.size = part.grid->size + 2 * pad;
+    result.surface_voxels = static_cast<double>(part.grid->surface.size());
+    return result;
+  }
+  if (part.fog) {
+    result.size = part.fog->size + 2 * pad;
+    result.fog_channels = part.fog->heat.empty() ? 1 : 2;
+    return result;
+  }
+  result.size = frame.size;
+  result.triangles = part.soup.triangles.size();
+  result.vertices = part.soup.positions.size();
+  const glm::dmat3 turn(frame.node_to_voxel);
+  for (const TriangleSoup::Triangle& triangle : part.soup.triangles) {
+    glm::dvec3 corner[3];
+    for (std::size_t i = 0; i < 3; ++i)
+      corner[i] = turn * glm::dvec3(part.soup.positions[triangle.vertex[i]]);
+    const glm::dvec3 area = 0.5 * glm::abs(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
+    // A triangle narrower than a voxel touches voxels along its length, which it shares with a neighbour.
+    const glm::dvec3 extent = glm::max(glm::max(corner[0], corner[1]), corner[2]) -
+                              glm::min(glm::min(corner[0], corner[1]), corner[2]);
+    const glm::dvec3 touched = area + 0.5 * glm::max(extent - 1.0, glm::dvec3(0));
+    result.crossings += area;
+    result.surface_voxels += touched.x + touched.y + touched.z;
+  }
+  result.surface_voxels = std::min(result.surface_voxels, result.voxels());
+  return result;
+}
+
+bool isPile(const PartSize& part) {
+  constexpr double kOverEachOther = 2048, kLong = 1e7;
+  for (int axis = 0; axis < 3; ++axis)
+    if (part.crossings[axis] > kLong &&
+        part.crossings[axis] > kOverEachOther * part.voxels() / part.size[axis])
+      return true;
+  return false;
 }
 
 }  // namespace kelp::bake

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "part_rigs.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,6 +7,7 @@
 
 #include "kelp/formats/pack.h"
 #include "part_frames.h"
+#include "steps.h"
 
 namespace kelp::bake {
 namespace {

@@ -4,7 +4,7 @@
 #include "kelp/bake/bake.h"
 #include "kelp/formats/pack.h"
 #include "kelp/import/core/padding.h"
-#include "placement.h"
+#include "steps.h"
 
 namespace kelp::bake {
 

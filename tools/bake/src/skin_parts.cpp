@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "skin_parts.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -12,6 +10,7 @@
 
 #include "kelp/import/core/padding.h"
 #include "part_frames.h"
+#include "steps.h"
 
 namespace kelp::bake {
 namespace {

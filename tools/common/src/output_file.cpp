@@ -3,16 +3,17 @@
 
 #include <bit>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include "file_system.h"
 #include "kelp/common/console.h"
 #include "kelp/common/error.h"
-#include "kelp/common/links.h"
 
 namespace kelp {
 namespace {
@@ -55,6 +56,27 @@ bool isDevice(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+constexpr int kMostLinks = 40;  // as many as Linux follows
+
+// Follows links until `done(path)` holds, or the path is no link.
+template <class Done>
+fs::path follow(fs::path path, const Done& done) {
+  std::error_code error;
+  for (int links = 0; links < kMostLinks && !done(path) && fs::is_symlink(path, error); ++links)
+    path = path.parent_path() / fs::read_symlink(path, error);
+  return path;
+}
+
+// N of /dev/fd/N and /proc/PROCESS/fd/N.
+std::optional<int> streamNumber(const fs::path& path) {
+  const std::string folder = path.parent_path().generic_string(), name = path.filename().generic_string();
+  if (folder != "/dev/fd" && !(folder.starts_with("/proc/") && folder.ends_with("/fd"))) return {};
+  int number = 0;
+  const char* const end = name.data() + name.size();
+  const auto [stop, problem] = std::from_chars(name.data(), end, number);
+  return problem == std::errc() && stop == end ? std::optional(number) : std::nullopt;
 }
 
 }  // namespace
@@ -196,6 +218,16 @@ void writeTextFile(const fs::path& path, std::string_view text) {
   OutputFile file(path);
   file.write(bytes);
   file.commit();
+}
+
+fs::path followLinks(const fs::path& path) {
+  return follow(path, [](const fs::path&) { return false; });
+}
+
+std::optional<int> streamOf(const fs::path& path) {
+  std::optional<int> number;
+  follow(path, [&](const fs::path& at) { return (number = streamNumber(at)).has_value(); });
+  return number;
 }
 
 }  // namespace kelp

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// JSON text -> RigDescription: knots and clips; sockets in parse_sockets.cpp, skins in parse_skin.cpp.
+// JSON text -> RigDescription: knots and clips; sockets in sockets.cpp, skins in parse_skin.cpp.
 #include <array>
 #include <cmath>
 #include <set>

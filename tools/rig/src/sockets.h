@@ -2,16 +2,10 @@
 // Sockets of a rig.
 #pragma once
 
-#include <string>
+#include <cstdint>
+#include <span>
 
 #include "kelp/rig/rig.h"
-
-namespace kelp::rig {
-
-// The fault of a socket's offset for a spline along this axis; empty if there is none.
-std::string faultOfOffset(const glm::vec3& offset, Axis axis);
-
-}  // namespace kelp::rig
 
 namespace kelp {
 

@@ -7,7 +7,6 @@
 
 #include "kelp/common/parallel.h"
 #include "partition.h"
-#include "quantile.h"
 
 namespace kelp::bake {
 namespace {

@@ -11,7 +11,7 @@
 #include "kelp/import/core/source_model.h"
 #include "kelp/import/voxels/import_voxels.h"
 #include "kelp/import/voxels/indexed_voxels.h"
-#include "vox_scene.h"
+#include "vox_file.h"
 
 namespace kelp::bake {
 namespace {

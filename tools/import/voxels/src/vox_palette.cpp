@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "kelp/common/srgb.h"
-#include "vox_scene.h"
+#include "vox_file.h"
 
 namespace kelp::bake {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The scene graph: transforms, groups and shapes, from node 0 down.
-#include "vox_scene.h"
+#include "vox_file.h"
 
 #include <algorithm>
 #include <set>

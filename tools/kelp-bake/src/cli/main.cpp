@@ -12,13 +12,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "cli/clashes.h"
 #include "cli/interrupt.h"
 #include "cli/messages.h"
+#include "cli/options.h"
 #include "cli/progress_display.h"
 #include "cli/report_json.h"
-#include "cli/summary.h"
-#include "contained/child.h"
 #include "contained/contained.h"
 #include "kelp/common/console.h"
 #include "kelp/common/hash.h"

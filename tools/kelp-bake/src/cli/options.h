@@ -29,4 +29,9 @@ struct Options {
 // stdout. Throws ToolError kUsage.
 std::optional<Options> parseCommandLine(const std::vector<std::string>& words);
 
+// Throws ToolError kUsage if the bake would overwrite a file that it reads (the input, what the options name,
+// and `read`), or write two outputs to one file. Links of both kinds are followed. Only regular files count:
+// /dev/null may be named twice.
+void checkClashes(const Options& options, const std::vector<std::filesystem::path>& read = {});
+
 }  // namespace kelp::bake_cli

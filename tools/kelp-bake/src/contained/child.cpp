@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "contained/child.h"
+#include "contained/contained.h"
 
 #include <algorithm>
 #include <chrono>

@@ -21,7 +21,6 @@
 #include <unistd.h>
 
 #include "cli/interrupt.h"
-#include "contained/child.h"
 #include "kelp/common/console.h"
 
 namespace kelp::bake_cli {

@@ -4,7 +4,11 @@
 // process reports an error.
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <vector>
+
+#include <sys/types.h>
 
 #include "cli/options.h"
 #include "contained/wire.h"
@@ -30,5 +34,14 @@ struct Contained {
 // a forbidden call; kInterrupted. Call it while this program has no threads of its own.
 Contained bakeContained(const Options& options, OutputFile& output,
                         const std::function<void(const Stage&)>& show);
+
+// The paths that the child may read: the files that this format and these options name, and the input's
+// folder with all below. A link that leads out of that folder cannot be followed, unless it is one of those
+// files.
+std::vector<std::filesystem::path> placesToRead(const Options& options);
+
+// The child process. Bakes into `output` and sends messages to `pipe`. Output of libraries goes to `prints`.
+// Never returns.
+[[noreturn]] void runChild(pid_t parent, int pipe, int prints, const Options& options, OutputFile& output);
 
 }  // namespace kelp::bake_cli

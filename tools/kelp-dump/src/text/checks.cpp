@@ -7,7 +7,6 @@
 
 #include "kelp/common/console.h"
 #include "kelp/common/error.h"
-#include "kelp/common/links.h"
 #include "kelp/common/memory.h"
 #include "kelp/common/output_file.h"
 #include "text/text.h"
@@ -16,7 +15,7 @@ namespace kelp::dump {
 
 void checkBinaryOutput(const std::string& output, const std::string& input, const char* what) {
   if (output == "-") {
-    if (!console::isTerminal(console::Stream::kOut)) return;
+    if (!console::printsToTerminal()) return;
     throw ToolError(
         Exit::kUsage,
         fmt::format("-: a terminal cannot show {}; redirect it (> FILE, or | PROGRAM), or name a file",

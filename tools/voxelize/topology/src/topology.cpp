@@ -8,7 +8,6 @@
 #include "bucket_sort.h"
 #include "edges.h"
 #include "faulty_mesh.h"
-#include "holes.h"
 #include "kelp/common/point_index.h"
 #include "kelp/voxelize/topology/fill_report.h"
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Standard streams, terminals, the command line, and files that are read from front to back.
+// Standard streams, terminals, the command line and names of files.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,8 +17,8 @@ void prepareStreams();
 // The command line: UTF-8 on Windows, unchanged elsewhere. arguments[0] is the program.
 std::vector<std::string> arguments(int argc, char** argv);
 
-enum class Stream { kIn, kOut, kErr };
-bool isTerminal(Stream stream);
+// True if standard output is a terminal.
+bool printsToTerminal();
 
 // For messages that quote files and their names: control characters, which a terminal would obey, become
 // spaces (also U+0080 to U+009F).
@@ -35,26 +32,6 @@ std::string escapeControls(std::string_view json);
 // device"), else an empty text.
 std::string writeOut(std::string_view text);
 
-// Reads a file of any kind once, from front to back, also a pipe such as a shell's <(...). For one thread.
-class Reading {
- public:
-  // "-" is standard input. If nobody writes to a named pipe within two seconds, that is a problem().
-  explicit Reading(const std::string& path);
-  Reading(const Reading&) = delete;
-  Reading& operator=(const Reading&) = delete;
-  ~Reading();
-
-  // Returns the number of bytes read, which may be less than asked for. 0 at the end or after a problem().
-  std::size_t read(std::span<std::byte> bytes);
-  // Why the file could not be opened or read; empty if it could.
-  const std::string& problem() const { return problem_; }
-
- private:
-  std::intptr_t file_ = -1;
-  bool own_ = false, begun_ = false;
-  std::string problem_;
-};
-
 // File names are UTF-8 in kelp's programs on Windows, and bytes elsewhere. Convert them with these two: on
 // Windows std::filesystem expects another encoding in narrow text.
 inline std::filesystem::path pathOf(std::string_view name) { return std::u8string(name.begin(), name.end()); }
@@ -63,7 +40,7 @@ inline std::string nameOf(const std::filesystem::path& path) {
   return {text.begin(), text.end()};
 }
 
-// True if the file is a pipe. Reading can read it, but its size is unknown.
+// True if the file is a pipe: its size is unknown, and it can be read only once.
 bool isPipe(const std::string& path);
 
 }  // namespace kelp::console

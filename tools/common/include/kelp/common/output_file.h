@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -54,9 +55,7 @@ class OutputFile {
   // does.
   void flush();
   const std::filesystem::path& path() const { return path_; }  // as given; empty: standard output
-  // Where the bytes are before commit(), and the open file, which may be read, too (not on Windows): for a
-  // process that writes or checks them.
-  const std::filesystem::path& temporaryPath() const { return temporary_; }
+  // The open file, which may be read, too (not on Windows): for a process that writes or checks the bytes.
   int descriptor() const { return file_; }
 
   // Flushes to the disk and puts the file in place. Flushes the folder too: after a crash the new name is
@@ -93,6 +92,14 @@ void writeTextFile(const std::filesystem::path& path, std::string_view text);
 
 // Tests whether writeTextFile can write `path`, before long work. ToolError kIo.
 void checkTextOutput(const std::filesystem::path& path);
+
+// The place that a path names once its last component is followed through symbolic links, 40 at most. That
+// place need not exist. A program that writes there replaces the file and keeps the link.
+std::filesystem::path followLinks(const std::filesystem::path& path);
+
+// The descriptor of the open stream that a path names, also through links: 1 for /dev/stdout, /dev/fd/1 and
+// /proc/self/fd/1. Nothing if the path names no stream. A stream is written to; it must not be replaced.
+std::optional<int> streamOf(const std::filesystem::path& path);
 
 // From now on Ctrl-C and other requests to end (SIGINT, SIGTERM, SIGHUP) remove the temporary file of the
 // current OutputFile, print "PROGRAM: interrupted" and end the process with exit code 130. Only one

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
+// The calls of the operating system behind console.h and memory.h.
 #define WIN32_LEAN_AND_MEAN
 #define NOMINMAX
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 #include <fcntl.h>
 #include <io.h>
@@ -12,11 +11,10 @@
 
 #include "file_system.h"
 #include "kelp/common/console.h"
+#include "kelp/common/memory.h"
 
 namespace kelp::console {
 namespace {
-
-constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;
 
 std::wstring wide(std::string_view text) {
   std::wstring out(text.size(), L'\0');  // UTF-8 has at least as many bytes as UTF-16 has units
@@ -74,43 +72,31 @@ std::vector<std::string> arguments(int argc, char** argv) {
   return out;
 }
 
-bool isTerminal(Stream stream) {
+bool printsToTerminal() {
   DWORD mode = 0;  // only a console has one; _isatty() takes NUL for a terminal
-  return ::GetConsoleMode(::GetStdHandle(stream == Stream::kIn    ? STD_INPUT_HANDLE
-                                         : stream == Stream::kOut ? STD_OUTPUT_HANDLE
-                                                                  : STD_ERROR_HANDLE),
-                          &mode) != 0;
+  return ::GetConsoleMode(::GetStdHandle(STD_OUTPUT_HANDLE), &mode) != 0;
 }
 
 std::string writeOut(std::string_view text) {
-  if (isTerminal(Stream::kOut)) return writeToConsole(text) ? "" : "the console takes nothing";
+  if (printsToTerminal()) return writeToConsole(text) ? "" : "the console takes nothing";
   const std::error_code problem = writeAll(1, std::as_bytes(std::span(text)));
   return problem ? problem.message() : "";
-}
-
-Reading::Reading(const std::string& path) {
-  if (path == "-") {
-    file_ = 0;
-    return;
-  }
-  file_ = ::_wopen(wide(path).c_str(), _O_RDONLY | _O_BINARY | _O_SEQUENTIAL);
-  if (file_ < 0) problem_ = std::strerror(errno);
-  own_ = file_ >= 0;
-}
-
-Reading::~Reading() {
-  if (own_) ::_close(static_cast<int>(file_));
-}
-
-std::size_t Reading::read(std::span<std::byte> bytes) {
-  if (!problem_.empty()) return 0;
-  const int got = ::_read(static_cast<int>(file_), bytes.data(),
-                          static_cast<unsigned>(std::min(bytes.size(), kMostAtOnce)));
-  if (got < 0) problem_ = std::strerror(errno);
-  begun_ = begun_ || got > 0;
-  return got > 0 ? static_cast<std::size_t>(got) : 0;
 }
 
 bool isPipe(const std::string&) { return false; }  // they have no place among files
 
 }  // namespace kelp::console
+
+namespace kelp {
+
+std::uint64_t physicalMemory() {
+  MEMORYSTATUSEX status{};
+  status.dwLength = sizeof status;
+  return ::GlobalMemoryStatusEx(&status) ? status.ullTotalPhys : ~std::uint64_t{0};
+}
+
+// Only the baker uses these, and it is not built for Windows.
+std::uint64_t peakMemory() { return 0; }
+void returnFreedMemory() {}
+
+}  // namespace kelp

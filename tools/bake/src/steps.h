@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// The steps of bake(), in the order in which it takes them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "kelp/bake/bake.h"
+#include "kelp/import/core/frame.h"
+#include "kelp/import/core/memory_estimate.h"
+#include "kelp/import/core/source_model.h"
+#include "kelp/skin/skin.h"
+
+namespace kelp::bake {
+
+// Units a file may be in; metres.
+inline constexpr double kSmallestUnit = 1e-6, kLargestUnit = 1e6;
+
+// Turns Settings::up to the object's +y and scales by Settings::unit: only matrices change, so voxels, rigs
+// and clips stay in the file's own axes and units.
+void placeInObject(SourceModel& model, const ImportSettings& settings);
+
+// How large a part will be, known before its voxels are: a mesh, a volume or fog. `frame`, for meshes, has
+// been padded; a volume has not.
+PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad);
+
+// True if thousands of triangles lie over each other nearly everywhere: sorting their crossings would take
+// too long.
+bool isPile(const PartSize& part);
+
+// A part that bends by joints becomes rigid parts that move.
+struct DividedSkin {
+  std::vector<SkinFit> fits;       // how well the new parts follow the skin, for each clip
+  std::vector<SocketFit> sockets;  // and their sockets
+  std::string info;                // JSON: what a pack says of its parts, INFO's "skin"
+};
+
+// ToolError kInvalid if the rig asks for parts that the skin cannot have.
+void requirePlan(const SourcePart& part, const std::filesystem::path& input);
+
+// Replaces the model's first part, whose voxels are made, and its line of the report.
+DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
+                              const Progress& progress, Report& report);
+
+// Adds what a skin needs to the size of its part: the division itself, and parts that have cuts and voxels of
+// their neighbours beside the surface.
+void countSkin(const SourceSkin& skin, PartSize& size);
+
+// Adds how well clips fit to the report, and a notice for those that do not fit well. `frame` is the whole's.
+void reportFits(const DividedSkin& divided, const Frame& frame, Report& report);
+
+// Gives the parts of `pack`, whose names and sizes are set, their knots, in the voxels of their frames, and
+// the pack its clips and sockets. Proves that no clip folds a part; `report` gets a line per clip and part.
+// ToolError for rigs and clips that cannot be.
+void rigParts(const SourceModel& model, const std::filesystem::path& input, RawPack& pack, Report& report);
+
+// Levels of a volume: down to a single brick, or `asked` if that is fewer (0: all).
+int levelCount(const glm::ivec3& size, int asked);
+
+// The look of a fog part: white, scattering equally to all sides. Where there is heat, it glows in the colors
+// of `ramp`, or of a black body if `ramp` is empty. It is as bright as the ramp where both heat and density
+// are greatest.
+RawFog fogLook(const FogGrid& grid, const std::vector<glm::vec3>& ramp);
+
+// The pack's INFO: tool version, source name and hash, the options that change content, and the other files
+// it was made of by their names beside the source: a hash, or null where one was looked for in vain. Nothing
+// that differs between two bakes of the same input: no place, time or number of threads.
+// `skin`: JSON, what became of a skin; empty: there was none.
+std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume,
+                     const Settings& settings, const FilesUsed& used, const std::string& skin);
+
+// STEM.rig.json, which is taken where no rig is asked for.
+std::filesystem::path rigBeside(const std::filesystem::path& input);
+
+}  // namespace kelp::bake
