@@ -343,10 +343,9 @@ TEST(ImportKnots, ExtrasOfTheSceneOrTheFileAreTheRigOfAllThatHasNone) {
 TEST(ImportKnots, ExtrasThatAreTheRigOfNothingAreNamed) {
   const Scratch scratch;
   const std::string rig = R"("extras":{"kelp":{"kelp":1}})";
-  const SourceModel model = importBox(
-      scratch, "", R"(,{"name":"Hidden","mesh":0,)" + rig + "}",
-      R"(,"scenes":[{"nodes":[0]},{"nodes":[1],)" + rig + R"(}],"scene":0,"materials":[{)" + rig + "}]");
-  for (const char* place : {"nodes[1].extras.kelp", "scenes[1].extras.kelp", "materials[0].extras.kelp"})
+  const SourceModel model = importBox(scratch, "", R"(,{"name":"Hidden","mesh":0,)" + rig + "}",
+                                      R"(,"scenes":[{"nodes":[0]},{"nodes":[1],)" + rig + R"(}],"scene":0)");
+  for (const char* place : {"nodes[1].extras.kelp", "scenes[1].extras.kelp"})
     EXPECT_TRUE(anyContains(model.notices, place)) << place;
 }
 
