@@ -5,7 +5,7 @@
 // The box of a code around an empty voxel holds the voxels whose distance from it along each axis is at most
 // that axis's reach: 0, 1, 3 or 7. Of all boxes without a solid voxel it is the one with the longest shortest
 // reach; among equals the longest middle reach, then the longest longest reach, then the lowest code. This
-// order is that of the mean steps of a ray (tests/fields/levels_test.cpp shows it). A page knows its own
+// order is that of the mean steps of a ray. A page knows its own
 // bricks to the voxel, and those of other pages as far as the next coarser level: there a box ends up to one
 // voxel early.
 //
