@@ -26,7 +26,7 @@ struct AssetOptions {
   std::uint64_t memory_budget = std::uint64_t{1} << 30;
   // The finest level of distances to load, for the queries of kelp/runtime/distance.h. 0: all of them; empty:
   // none, and nothing of them is read. Of a part with fewer levels the coarsest is loaded.
-  std::optional<int> distance_level;
+  std::optional<int> distance_level = std::nullopt;
 };
 
 // Owns the decoded voxels. Thread-safe: any thread may call any function at any time; only the destructor
