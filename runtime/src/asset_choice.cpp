@@ -23,7 +23,7 @@ void Asset::Impl::ask(const LevelState& level, std::uint32_t page, float urgency
   if (level.pages[page].request.ask(urgency, now)) changes.fetch_add(1, std::memory_order_release);
 }
 
-// Whether the level's grid can be loaded now. The grid of the next coarser level comes first: missing voxels
+// True if the level's grid can be loaded now. The grid of the next coarser level comes first: missing voxels
 // are looked up there, and coarser distances reserve their room first.
 bool Asset::Impl::isNext(const LevelState& level) const {
   const LevelState* const coarser = level.coarser;
@@ -107,7 +107,7 @@ Asset::Impl::Task Asset::Impl::firstAbsent(Kind kind, std::uint64_t below) {
   return {};
 }
 
-// Whether the coarsest level of every part is in memory, as far as it can be: distances, which are never
+// True if the coarsest level of every part is in memory, as far as it can be: distances, which are never
 // dropped, must not take its room.
 bool Asset::Impl::isCoarsestDone() {
   const auto isDone = [](Stage stage) { return stage == Stage::kResident || stage == Stage::kFailed; };

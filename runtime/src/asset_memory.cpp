@@ -24,13 +24,13 @@ void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
   setStage({&level, page}, Stage::kAbsent);
 }
 
-// Whether a page in memory may be dropped: it is not pinned and was not used recently.
+// True if a page in memory may be dropped: it is not pinned and was not used recently.
 bool Asset::Impl::mayGo(const PageSlot& slot) const {
   return slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0 &&
          round.load(std::memory_order_relaxed) - slot.used.load(std::memory_order_relaxed) >= kPatience;
 }
 
-// Whether a page has not been used since findIdle() found it.
+// True if a page has not been used since findIdle() found it.
 bool Asset::Impl::isStillIdle(const Idle& found) const {
   const PageSlot& slot = found.level->pages[found.page];
   return slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0 &&

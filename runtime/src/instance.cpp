@@ -46,7 +46,7 @@ bool isPart(const Instance& instance, int part) {
          static_cast<std::size_t>(part) < instance.asset->pack().parts().size();
 }
 
-// Whether the part exists, and the pose has knots for it.
+// True if the part exists, and the pose has knots for it.
 bool isPosed(const Instance& instance, int part) {
   return isPart(instance, part) && knotsOf(instance, part).size() >= 2;
 }

@@ -12,7 +12,7 @@
 // Order: coarse to fine. A grid needs the next coarser grid, a page of voxels the shapes of the coarser
 // voxels around it, which stay when their page is dropped. Distances need nothing, but the coarsest voxels of
 // all parts go first.
-// Missing: a page that is absent is asked for by whoever misses it, and coarser voxels stand in for it.
+// Missing: the reader that misses a page asks for it, and coarser voxels stand in for it.
 // Damaged: the task fails, and with it all that needs it, until retry(). Everything else goes on.
 // Budget: a task reserves its bytes before it begins, of distances a whole level with its grid. Dropped are
 // only pages of voxels, not those of a coarsest level, the longest unused first; but no pinned one, and for

@@ -170,7 +170,7 @@ void search(const PosedSolid<Map>& solid, const SearchFrame& frame, Goal& goal) 
   SolidSearch<Map, Goal>(solid, frame, goal).run();
 }
 
-// Whether all of the part is farther than `reach` from a point, so far as its distances say.
+// True if all of the part is farther than `reach` from a point, so far as its distances say.
 template <class Map>
 bool isBeyond(const PosedSolid<Map>& solid, const glm::vec3& point, float reach) {
   const std::optional<Distance> found = distanceToPart(solid, point);

@@ -39,7 +39,7 @@ struct PosedPart {
   float roll = 0;               // of a swept part, radians
 
   bool isSwept() const { return part->bend == Bend::kSweep; }
-  // Whether the part is drawn with these knots: checkRig().
+  // True if the part is drawn with these knots: checkRig().
   Result<void> check() const { return checkRig(part->bend, knots, part->size, roll); }
   // The arcs of a swept part. False: it cannot be drawn.
   bool arcs(ArcChain& chain) const {
@@ -51,7 +51,7 @@ PosedPart posedPart(const Instance& instance, int part);
 Box boundsOf(const PosedPart& posed);
 // Part space at rest -> part space, deformed. Of a swept part that cannot be drawn: as at rest.
 glm::vec3 bend(const PosedPart& posed, const glm::vec3& rest);
-// Whether the part hangs on its parent's spline.
+// True if the part hangs on its parent's spline.
 inline bool hangsOnSpline(const Part& part) { return part.parent_at != Part::kNotOnSpline; }
 
 }  // namespace kelp::runtime

@@ -56,7 +56,7 @@ class SplineMap {
   double bound(const Cut& cut, double rest, const RestAt& rest_at) const;
   // Contains all of the spline between two cuts in ascending order.
   Box sweep(const Cut& a, const Cut& b) const;
-  // Whether a voxel between two cuts is as good as its box: the spline hardly moves there. side: of voxels.
+  // True if a voxel between two cuts is as good as its box: the spline hardly moves there. side: of voxels.
   bool isFine(const Cut& from, const Cut& to, const glm::dvec3& low, const glm::dvec3& high,
               double side) const;
   // The point of a voxel (low to high at rest) between two cuts that is nearest to a point, as far as its

@@ -61,7 +61,7 @@ class SweepMap {
   SweepSlice slice(int arc) const;
   // The arc whose slice is the nearest, as far as balls around them tell.
   int nearestArc(const glm::dvec3& point) const;
-  // Whether nothing of the slice is nearer than this.
+  // True if nothing of the slice is nearer than this.
   bool isBeyond(int arc, const glm::dvec3& point, double distance) const;
   SweepPoint see(int arc, const SweepSlice& slice, const glm::dvec3& point) const;
   // The rest point of what see() found; y within the slice.

@@ -19,7 +19,7 @@ inline bool hasPixels(const View& view) { return view.camera.viewport.x > 0 && v
 
 // kMisuse for a view that draw() and bindTrace() cannot use. features: those of the program.
 Result<void> checkView(const View& view, Features features);
-// Whether the picture is shaded by distances.
+// True if the picture is shaded by distances.
 inline bool usesDistances(const Quality& quality) { return quality.soft_shadows > 0 || quality.occlusion; }
 
 // kMisuse for a matrix that is not finite or not invertible.
@@ -34,7 +34,7 @@ struct Detail {
     return {parts >> 6, parts & 63};
   }
 };
-// Whether that pixel draws the coarser level.
+// True if that pixel draws the coarser level.
 bool drawsCoarser(const Detail& detail, const glm::ivec2& pixel);
 
 }  // namespace kelp::gl

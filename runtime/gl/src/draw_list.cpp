@@ -56,7 +56,7 @@ class FoundAssets {
   One places_[kPlaces];
 };
 
-// Whether a part moves as a whole, by its motion or an ancestor's, or because it hangs on a spline.
+// True if a part moves as a whole, by its motion or an ancestor's, or because it hangs on a spline.
 bool moves(const runtime::Pose& pose, std::span<const Part> parts, int part) {
   for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
     if (*pose.motion(i) != runtime::Motion{} ||

@@ -68,7 +68,7 @@ class DrawList {
     PartKind kind;
     Rays rays;
     bool rings;  // whether records lead to those of their instance's other parts
-    // Whether records say where the parts were in the frame before.
+    // True if records say where the parts were in the frame before.
     bool movesPictures() const { return rays == Rays::kView && view.camera.previous_world_to_clip; }
   };
   // A posed part before it is listed, without what the lanes compute with.

@@ -90,7 +90,7 @@ void writeHeads(const Projection& projection, const PlacedParts& placed, RecordH
 // The level at which a part is drawn whose level-0 voxels cover `pixels`.
 Detail detailAt(const View& view, float pixels, int levels);
 
-// Whether an affine matrix is finite and invertible.
+// True if an affine matrix is finite and invertible.
 bool isInvertible(const glm::mat4& matrix);
 
 }  // namespace kelp::gl

@@ -14,13 +14,13 @@
 
 namespace kelp::gl {
 
-// What happens to the GL state that a call changes.
+// How a call leaves the GL state that it changes.
 enum class State : std::uint8_t {
   kRestore,  // every call leaves the state as it found it
   kLeave,    // nothing is restored; runtime/HOST_GUIDE.md lists what kelp changes
 };
 
-// What a renderer can do beyond drawing. Each costs something even in frames that do not use it.
+// Abilities beyond drawing. Each costs memory or time even in frames that do not use it.
 enum class Features : std::uint8_t {
   kNone = 0,
   // Rays cast from what is seen: Quality::self_shadow, Quality::occlusion_rays. The program is then larger:
@@ -111,7 +111,7 @@ struct Light {
   glm::vec3 ground_color{0.13f, 0.12f, 0.11f};  // light from below
 };
 
-// What a picture may cost.
+// Limits on the cost of a picture.
 struct Quality {
   Shading shading = Shading::kGradient;  // others: kMisuse with Features::kGradientOnly
   int finest_level = 0;                  // no finer level is drawn; as `level` of runtime::raycast
@@ -143,7 +143,7 @@ struct Quality {
   int depth_batches = 1;
 };
 
-// What the colors are that draw() writes.
+// The encoding of the colors that draw() writes.
 enum class Output : std::uint8_t {
   // Linear light, for a framebuffer that encodes (GL_FRAMEBUFFER_SRGB on an sRGB framebuffer) or is
   // tone-mapped later. On a framebuffer that does neither, the picture is too dark.
