@@ -3,9 +3,9 @@
 # Builds and tests kelp from nothing on Debian 12: installs what is missing, builds, tests.
 #   tests/run.sh                the build that samples/demo.sh makes (preset release), and all its tests
 #   tests/run.sh --sanitizers   the code that does not draw, built by clang with the address and the
-#                               undefined-behaviour sanitizer (preset asan)
+#                               undefined-behavior sanitizer (preset asan)
 #   tests/run.sh --all          takes hours. Both of these; with assertions and every case (preset dev,
-#                               KELP_ALL_TESTS); without the baker, by gcc and clang, optimised and not;
+#                               KELP_ALL_TESTS); without the baker, by gcc and clang, optimized and not;
 #                               with the thread sanitizer (preset tsan); the packs of six builds, byte by
 #                               byte (tests/cli/same_packs.sh); the coverage of the fuzzers' seeds
 #                               (tests/fuzz.sh --coverage); clang-tidy and cppcheck (tests/lint.sh)

@@ -79,13 +79,13 @@ Result<std::uint32_t> readFog(RecordReader& in, std::size_t colors, Fog& fog) {
   const std::uint32_t ramp = in.u32();
   const std::uint32_t reserved = in.u32();
   if (!isUnit(fog.color.x) || !isUnit(fog.color.y) || !isUnit(fog.color.z))
-    return corrupt("a fog's colour is outside 0 to 1", at);
+    return corrupt("a fog's color is outside 0 to 1", at);
   if (!(fog.anisotropy > -1.0f && fog.anisotropy < 1.0f))
     return corrupt("a fog's anisotropy is not between -1 and 1", at + 12);
   if (!isFinite(fog.glow) || !(fog.glow >= 0.0f))
     return corrupt("a fog's glow is negative or not finite", at + 16);
   if (ramp == 1 || ramp > 256 || ramp > colors)
-    return corrupt("a fog's ramp does not have 0 or 2 to 256 colours", at + 20);
+    return corrupt("a fog's ramp does not have 0 or 2 to 256 colors", at + 20);
   if (reserved != 0) return corrupt("a reserved field of a fog is not zero", at + 24);
   return ramp;
 }
@@ -157,9 +157,9 @@ Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out) {
     const glm::vec4& c = material.base_color;
     const glm::vec3& e = material.emissive;
     if (!isUnit(c.x) || !isUnit(c.y) || !isUnit(c.z) || !isUnit(c.w))
-      return corrupt("a base colour is outside 0 to 1", at);
+      return corrupt("a base color is outside 0 to 1", at);
     if (!isFinite(e) || !(e.x >= 0 && e.y >= 0 && e.z >= 0))
-      return corrupt("an emissive colour is negative or not finite", at + 16);
+      return corrupt("an emissive color is negative or not finite", at + 16);
     if (!isUnit(material.metallic) || !isUnit(material.roughness))
       return corrupt("metallic or roughness is outside 0 to 1", at + 28);
   }
@@ -200,7 +200,7 @@ Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out) {
     next_color += *ramp;
     part.fog = &fog;
   }
-  if (next_color != colors) return corrupt("the fogs do not use every colour of the ramps", 0);
+  if (next_color != colors) return corrupt("the fogs do not use every color of the ramps", 0);
   for (float& extinction : out.extinctions) {
     const std::size_t at = in.at();
     extinction = in.f32();
@@ -211,7 +211,7 @@ Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out) {
     const std::size_t at = in.at();
     color = in.vec3();
     if (!isFinite(color) || !(color.x >= 0 && color.y >= 0 && color.z >= 0))
-      return corrupt("a ramp's colour is negative or not finite", at);
+      return corrupt("a ramp's color is negative or not finite", at);
   }
   return {};
 }

@@ -131,7 +131,7 @@ struct Asset::Impl {
   bool coarsest_done = false;  // isCoarsestDone() was true
 
   std::mutex mutex;
-  std::condition_variable idle;  // signalled when in_hand becomes 0
+  std::condition_variable idle;  // signaled when in_hand becomes 0
   std::uint64_t ended = 0;       // tasks that ended, with or without success
   std::uint32_t in_hand = 0;     // grids and pages that threads are loading now
   std::uint32_t waiting = 0;     // of stage kWaiting

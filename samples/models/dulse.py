@@ -48,7 +48,7 @@ def leaf(mesh, azimuth, rise, droop, length, width, seed, root, depth=0):
             return along(line[k], (side, u * wide * notch[j]),
                          (normal, v * thick + lift[j] * abs(u) ** 1.6 + 0.25 * wide * u * u))
 
-        def colour(angle, p):
+        def color(angle, p):
             u = abs(math.cos(angle))
             base = ramp(((0.0, DARK), (0.35, WINE), (0.8, ROSE), (1.0, EDGE)),
                         s + 0.15 * fractal_noise(20 * p[0], 20 * p[1], 20 * p[2], 2, 323))
@@ -57,7 +57,7 @@ def leaf(mesh, azimuth, rise, droop, length, width, seed, root, depth=0):
             base = mix(base, DARK, 0.35 * (1.0 - smoothstep(0.0, 0.35, vein)))
             return shade(base, 1.0 + 0.15 * value_noise(4.0 * u, 9.0 * s, seed, 324))
 
-        return point, colour
+        return point, color
 
     mesh.skin(steps, 26, section)
     if depth == 0:

@@ -39,14 +39,14 @@ def bottom(x):
 
 
 def bands(x, y):
-    """The body's colour at x, y: five pale bands between dark lines, bowed like brackets, on gold."""
+    """The body's color at x, y: five pale bands between dark lines, bowed like brackets, on gold."""
     base = ramp(((-0.06, BELLY), (-0.03, LEMON), (0.0, GOLD), (0.06, AMBER)),
                 y + 0.012 * fractal_noise(30 * x, 30 * y, 0.0, 2, 4))
-    for centre, bow, reach, width in ((0.083, 2.2, 0.075, 0.0050), (0.046, 3.2, 0.080, 0.0058),
+    for center, bow, reach, width in ((0.083, 2.2, 0.075, 0.0050), (0.046, 3.2, 0.080, 0.0058),
                                       (0.008, 3.8, 0.085, 0.0060),
                                       (-0.029, 4.0, 0.080, 0.0056), (-0.061, 3.6, 0.075, 0.0046),
                                       (-0.086, 2.6, 0.06, 0.0034)):
-        d = abs(x - centre + bow * (y - 0.004) ** 2 - 0.0018 * value_noise(55 * y, 9 * centre, 0.0, 6))
+        d = abs(x - center + bow * (y - 0.004) ** 2 - 0.0018 * value_noise(55 * y, 9 * center, 0.0, 6))
         w = width * (1.0 - 0.55 * smoothstep(0.2, 1.0, abs(y) / reach))
         base = mix(base, NAVY, 1.0 - smoothstep(w + 0.0028, w + 0.0046, d))
         base = mix(base, mix(BLUE, ICE, 1.0 - smoothstep(0.25 * w, 0.95 * w, d)),
@@ -55,7 +55,7 @@ def bands(x, y):
 
 
 def head(base, x, y):
-    """Mask, cheek line and lips over the bands' colour."""
+    """Mask, cheek line and lips over the bands' color."""
     face = smoothstep(0.084, 0.094, x - 1.2 * (y - 0.004) ** 2)
     base = mix(base, ramp(((-0.03, BELLY), (0.0, LEMON), (0.03, GOLD)), y), face)
     eye = math.hypot(x - EYE[0], y - EYE[1])
@@ -89,12 +89,12 @@ def body(mesh):
                 1.0 - smoothstep(0.024, 0.036, abs(y + 0.004)))
             return (x, y, math.copysign(half * abs(c) ** 0.92 + cheek * abs(c), c))
 
-        def colour(angle, p):
+        def color(angle, p):
             y = p[1]
             light = 1.06 - 0.22 * smoothstep(0.30, 0.62, scales_at(x, y)) * scaly
             return shade(head(bands(x, y), x, y), light * (0.95 + 0.10 * smoothstep(-0.05, 0.06, y)))
 
-        return point, colour
+        return point, color
 
     mesh.skin(rounded(230, 0.15), 108, section)
 
@@ -112,21 +112,21 @@ def eyes(mesh):
         def point(d, side=side):
             return (EYE[0] + 0.0115 * d[0], EYE[1] + 0.0115 * d[1], side * (0.0160 + 0.0066 * d[2] * side))
 
-        def colour(d, p):
+        def color(d, p):
             r = math.hypot(d[0], d[1])
             iris = ramp(((0.50, AMBER), (0.62, LEMON), (0.85, GOLD), (0.99, AMBER)), r)
             eye = mix(INK, iris, smoothstep(0.50, 0.56, r))
             glint = math.hypot(d[0] - 0.20, d[1] - 0.26)
             return mix(eye, ICE, 1.0 - smoothstep(0.15, 0.21, glint))
 
-        mesh.ball(5, point, colour)
+        mesh.ball(5, point, color)
 
 
-def fin(mesh, base, tip, colour, rays, thick=0.0029, count=70, around=48, across=(0.0, 0.0, 1.0)):
+def fin(mesh, base, tip, color, rays, thick=0.0029, count=70, around=48, across=(0.0, 0.0, 1.0)):
     """A fin between the curves base(u) and tip(u): a sheet 2 * thick strong with rounded edges and rays,
     closed in a pole at either end.
 
-    colour(u, v, position): v runs from 0 at the base to 1 at the tip.
+    color(u, v, position): v runs from 0 at the base to 1 at the tip.
     """
     def section(u):
         a, b = base(u), tip(u)
@@ -143,7 +143,7 @@ def fin(mesh, base, tip, colour, rays, thick=0.0029, count=70, around=48, across
 
         def paint(angle, p):
             w, _ = superellipse(angle, 3.0)
-            return shade(colour(u, 0.5 + 0.5 * w, p), 1.0 + 0.12 * ray)
+            return shade(color(u, 0.5 + 0.5 * w, p), 1.0 + 0.12 * ray)
 
         return point, paint
 
@@ -163,7 +163,7 @@ def dorsal(mesh):
         trail = interpolate(((0.0, 0.004), (0.5, 0.016), (0.8, 0.044), (0.92, 0.048), (1.0, 0.032)), u)
         return (x - trail, y + rise + spines, 0.0)
 
-    def colour(u, v, p):
+    def color(u, v, p):
         front = mix(AMBER, GOLD, v)
         speckle = 1.0 - smoothstep(0.10, 0.34,
                                    math.hypot((26.0 * u + 2.0 * v) % 1.0 - 0.5,
@@ -176,7 +176,7 @@ def dorsal(mesh):
         c = mix(c, NAVY, smoothstep(0.80, 0.85, v))
         return mix(c, BLUE, smoothstep(0.89, 0.94, v))
 
-    fin(mesh, base, tip, colour, 22.0, count=110, around=72)
+    fin(mesh, base, tip, color, 22.0, count=110, around=72)
 
 
 def anal(mesh):
@@ -190,7 +190,7 @@ def anal(mesh):
         trail = interpolate(((0.0, 0.004), (0.5, 0.020), (0.8, 0.042), (1.0, 0.030)), u)
         return (x - trail, y - drop, 0.0)
 
-    def colour(u, v, p):
+    def color(u, v, p):
         stripe = 0.5 + 0.5 * math.cos(2.0 * math.pi * (3.0 * v - 0.1))
         inside = smoothstep(0.10, 0.2, v)
         c = mix(mix(GOLD, AMBER, v), NAVY, smoothstep(0.34, 0.52, stripe) * inside)
@@ -198,7 +198,7 @@ def anal(mesh):
         c = mix(c, NAVY, smoothstep(0.82, 0.88, v))
         return mix(c, BLUE, smoothstep(0.91, 0.96, v))
 
-    fin(mesh, base, tip, colour, 18.0, count=90, around=72)
+    fin(mesh, base, tip, color, 18.0, count=90, around=72)
 
 
 def tail(mesh):
@@ -216,14 +216,14 @@ def tail(mesh):
         angle = 0.80 * k
         return (-0.088 - reach * math.cos(0.75 * angle), 0.0125 * k + reach * math.sin(angle), 0.0)
 
-    def colour(u, v, p):
+    def color(u, v, p):
         c = ramp(((0.0, AMBER), (0.3, GOLD), (0.75, LEMON), (1.0, BELLY)), v)
         edge = max(smoothstep(0.76, 0.84, abs(spread(u))) * smoothstep(0.15, 0.4, v), 0.0)
         c = mix(c, BLUE, 0.9 * edge)
         c = mix(c, NAVY, smoothstep(0.86, 0.90, v))
         return mix(c, ICE, smoothstep(0.93, 0.97, v))
 
-    fin(mesh, base, tip, colour, 13.0, 0.0030, 90)
+    fin(mesh, base, tip, color, 13.0, 0.0030, 90)
 
 
 def paired(mesh):

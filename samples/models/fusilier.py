@@ -39,7 +39,7 @@ def body(mesh):
             c, h = math.cos(angle), math.sin(angle)
             return (x, (upper if h > 0 else lower) * h, math.copysign(half * abs(c) ** 0.95, c))
 
-        def colour(angle, p):
+        def color(angle, p):
             y = p[1] / max(upper if p[1] > 0 else lower, 1e-6)
             base = ramp(((-0.9, BELLY), (-0.35, SILVER), (-0.05, PALE), (0.18, BLUE), (0.9, BLUE)), y)
             # The yellow of the tail runs forward along the back in a wedge.
@@ -52,7 +52,7 @@ def body(mesh):
             light = 1.05 - 0.18 * smoothstep(0.3, 0.6, scale) * smoothstep(0.2, 0.25, s)
             return shade(base, light + 0.08 * fractal_noise(40 * x, 60 * p[1], 0.0, 2, 340))
 
-        return point, colour
+        return point, color
 
     mesh.skin(rounded(150, 0.15), 72, section)
 
@@ -97,13 +97,13 @@ def fins(mesh):
 
 def eyes(mesh):
     for side in (1.0, -1.0):
-        def colour(d, p):
+        def color(d, p):
             iris = shade(mix(SILVER, BACK, 0.3 + 0.3 * d[1]), 0.8 + 0.3 * math.hypot(d[0], d[1]))
             return mix(INK, iris, smoothstep(0.5, 0.58, math.hypot(d[0], d[1])))
 
         mesh.ball(4, lambda d,
                   side=side: (EYE[0] + 0.0075 * d[0], EYE[1] + 0.0075 * d[1], side * 0.0112 + 0.0042 * d[2]),
-                  colour)
+                  color)
 
 
 def surfaces():
@@ -118,7 +118,7 @@ KNOTS = (0, 0.35, 0.7, 1)
 
 
 def turning(moment):
-    """The angle of the centre line by its place: the fish bends into a C within a fifth of the clip, strikes
+    """The angle of the center line by its place: the fish bends into a C within a fifth of the clip, strikes
     back over the straight line, and comes to rest."""
     bend = interpolate(((0.0, 0.0), (0.08, 0.0), (0.30, 1.0), (0.36, 1.0), (0.62, -0.38), (0.68, -0.38),
                         (0.92, 0.0), (1.0, 0.0)), moment)

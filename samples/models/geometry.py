@@ -77,18 +77,18 @@ def rounded(count, ends=0.04):
 
 
 class Mesh:
-    """Triangles with one position and one linear colour per vertex; vertices are shared, normals are
+    """Triangles with one position and one linear color per vertex; vertices are shared, normals are
     smooth. influences: of a mesh that joints move, [(joint, weight), ...] of each vertex."""
 
     def __init__(self):
-        self.positions, self.colours, self.triangles, self.influences = [], [], [], []
+        self.positions, self.colors, self.triangles, self.influences = [], [], [], []
 
-    def append(self, positions, colours, triangles):
+    def append(self, positions, colors, triangles):
         """Takes one closed surface in, turned so that it faces outward."""
         volume = sum(dot(positions[a], cross(positions[b], positions[c])) for a, b, c in triangles)
         first = len(self.positions)
         self.positions += positions
-        self.colours += colours
+        self.colors += colors
         for a, b, c in triangles:
             self.triangles.append((first + a, first + b, first + c) if volume > 0
                                   else (first + a, first + c, first + b))
@@ -97,21 +97,21 @@ class Mesh:
         """A closed surface of cross sections, one for each of `steps`; it closes in a pole at the first and
         the last of them.
 
-        section(s) -> (point, colour); point(angle) -> position; colour(angle, position) -> linear colour. A
+        section(s) -> (point, color); point(angle) -> position; color(angle, position) -> linear color. A
         pole is its section's mean.
         """
         angles = [2.0 * math.pi * j / around for j in range(around)]
-        positions, colours, triangles = [], [], []
+        positions, colors, triangles = [], [], []
         for s in (steps[0], steps[-1]):
-            point, colour = section(s)
+            point, color = section(s)
             pole = scale(tuple(map(sum, zip(*map(point, angles)))), 1.0 / around)
             positions.append(pole)
-            colours.append(colour(0.0, pole))
+            colors.append(color(0.0, pole))
         for s in steps[1:-1]:
-            point, colour = section(s)
+            point, color = section(s)
             ring = list(map(point, angles))
             positions += ring
-            colours += map(colour, angles, ring)
+            colors += map(color, angles, ring)
         last = len(steps) - 3
         for j in range(around):
             k = (j + 1) % around
@@ -121,13 +121,13 @@ class Mesh:
                 a, b = 2 + i * around + j, 2 + i * around + k
                 c, d = a + around, b + around
                 triangles += ((a, b, d), (a, d, c)) if (i + j) % 2 else ((a, b, c), (b, d, c))
-        self.append(positions, colours, triangles)
+        self.append(positions, colors, triangles)
 
-    def ball(self, subdivisions, point, colour):
-        """An icosphere: point(direction) -> position, colour(direction, position) -> linear colour."""
+    def ball(self, subdivisions, point, color):
+        """An icosphere: point(direction) -> position, color(direction, position) -> linear color."""
         directions, triangles = icosphere(subdivisions)
         positions = [point(d) for d in directions]
-        self.append(positions, [colour(d, p) for d, p in zip(directions, positions)], triangles)
+        self.append(positions, [color(d, p) for d, p in zip(directions, positions)], triangles)
 
     def normals(self):
         """Smooth normals: the sum of the adjoining triangles' area vectors."""

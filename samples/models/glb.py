@@ -40,7 +40,7 @@ class Buffer:
                       "NORMAL": self.floats("VEC3", mesh.normals(), ARRAY_BUFFER),
                       "COLOR_0": self.add(struct.pack("<%dH" % (4 * count),
                                                       *(round(65535 * min(max(x, 0.0), 1.0))
-                                                        for c in mesh.colours for x in (*c, 1.0))),
+                                                        for c in mesh.colors for x in (*c, 1.0))),
                                           ARRAY_BUFFER, componentType=USHORT, normalized=True, count=count,
                                           type="VEC4")}
         if mesh.influences:

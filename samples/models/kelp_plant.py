@@ -19,7 +19,7 @@ STIPE_LOW, STIPE_HIGH = srgb("#5b3413"), srgb("#b48a2e")
 ROOT, ROOT_TIP = srgb("#6f3f17"), srgb("#c99a55")
 STONE, STONE_DARK, CRUST = srgb("#9a98a2"), srgb("#55535f"), srgb("#b7577a")
 
-# (height, azimuth in turns, lean at the top in metres, pairs of blades, seed)
+# (height, azimuth in turns, lean at the top in meters, pairs of blades, seed)
 FRONDS = ((1.00, 0.02, 0.02, 6, 1), (0.71, 0.44, 0.16, 4, 2), (0.46, 0.93, 0.16, 3, 3))
 
 
@@ -29,8 +29,8 @@ def direction(azimuth, elevation):
     return (math.cos(a) * math.cos(e), math.sin(e), math.sin(a) * math.cos(e))
 
 
-def tube(mesh, path, radius, colour, steps, around=12):
-    """A round skin about path(s) with radius(s); colour(s, angle, position)."""
+def tube(mesh, path, radius, color, steps, around=12):
+    """A round skin about path(s) with radius(s); color(s, angle, position)."""
     frames, side = {}, (0.31, 0.17, 0.93)
     for s in steps:  # each frame follows from the one before, so that the skin does not twist
         tangent = normalize(sub(path(min(s + 1e-3, 1.0)), path(max(s - 1e-3, 0.0))))
@@ -38,10 +38,10 @@ def tube(mesh, path, radius, colour, steps, around=12):
         frames[s] = side, cross(tangent, side)
 
     def section(s):
-        centre, (side, other) = path(s), frames[s]
+        center, (side, other) = path(s), frames[s]
         r = radius(s) * dome(20.0 * s) * dome(20.0 * (1.0 - s))
-        return (lambda angle: along(centre, (side, r * math.cos(angle)), (other, r * math.sin(angle))),
-                lambda angle, p: colour(s, angle, p))
+        return (lambda angle: along(center, (side, r * math.cos(angle)), (other, r * math.sin(angle))),
+                lambda angle, p: color(s, angle, p))
 
     mesh.skin(steps, around, section)
 
@@ -57,13 +57,13 @@ def stone(mesh):
         # it lies on the ground, almost flat
         return (x, y if y > 0.012 else 0.012 * math.exp((y - 0.012) / 0.012), z)
 
-    def colour(d, p):
+    def color(d, p):
         grain = fractal_noise(45 * p[0], 45 * p[1], 45 * p[2], 3, 50)
         base = mix(STONE_DARK, STONE, 0.25 + 0.5 * smoothstep(0.0, 0.09, p[1]) + 0.6 * grain)
         patch = fractal_noise(17 * p[0], 17 * p[1], 17 * p[2], 3, 60) + 0.12 * d[1]
         return mix(base, shade(CRUST, 1.0 + 0.5 * grain), 0.85 * smoothstep(0.12, 0.24, patch))
 
-    mesh.ball(5, point, colour)
+    mesh.ball(5, point, color)
 
 
 def holdfast(mesh):
@@ -93,11 +93,11 @@ def holdfast(mesh):
             lift = (start - 0.1) * (1.0 - smoothstep(-0.25, 0.62, s)) / 0.86 + 0.004
             return (0.165 * d[0] * r, 0.062 * d[1] * r + 0.038 + lift, 0.135 * d[2] * r)
 
-        def colour(s, angle, p, i=i):
+        def color(s, angle, p, i=i):
             return shade(mix(ROOT, ROOT_TIP, s ** 1.5),
                          1.0 + 0.3 * value_noise(70 * p[0], 70 * p[1], 70 * p[2], 80 + i))
 
-        tube(mesh, path, lambda s: 0.0135 - 0.0035 * s, colour, rounded(30, 0.3), 10)
+        tube(mesh, path, lambda s: 0.0135 - 0.0035 * s, color, rounded(30, 0.3), 10)
 
 
 def stipe_path(frond):
@@ -115,11 +115,11 @@ def stipe_path(frond):
 
 
 def stipe(mesh, frond):
-    def colour(s, angle, p):
+    def color(s, angle, p):
         streak = value_noise(1.6 * math.cos(angle), 22 * p[1], 1.6 * math.sin(angle), 90)
         return shade(mix(STIPE_LOW, STIPE_HIGH, p[1] / HEIGHT), 1.0 + 0.2 * streak)
 
-    tube(mesh, stipe_path(frond), lambda s: 0.0155 - 0.0055 * s, colour, rounded(56, 0.3), 12)
+    tube(mesh, stipe_path(frond), lambda s: 0.0155 - 0.0055 * s, color, rounded(56, 0.3), 12)
 
 
 def mid_line(root, azimuth, elevation, droop, length, steps, roll, seed):
@@ -152,7 +152,7 @@ def blade(mesh, root, azimuth, elevation, droop, length, width, young, seed, bla
     line, frames = mid_line(root, azimuth, elevation, droop, length, steps, roll, seed)
     waves, edge_lag = length * between(15.0, 18.5, seed, 2), between(0.25, 0.45, seed, 4)
 
-    # Petiole and bladder keep their size on every blade: lengths in metres over the blade's own.
+    # Petiole and bladder keep their size on every blade: lengths in meters over the blade's own.
     a, b, c, d = 0.014 / length, 0.038 / length, 0.062 / length, 0.078 / length
     half_width = ((0.0, 0.0092), (c, 0.0102), (d, 0.0118), (0.42, width), (0.58, 0.93 * width),
                   (0.82, 0.62 * width), (0.94, 0.36 * width), (1.0, 0.24 * width))
@@ -162,7 +162,7 @@ def blade(mesh, root, azimuth, elevation, droop, length, width, young, seed, bla
                    young + 0.1 * between(-1, 1, seed, 5))
 
     def section(s):
-        centre, (side, normal) = line[index[s]], frames[index[s]]
+        center, (side, normal) = line[index[s]], frames[index[s]]
         leafy = smoothstep(c, c + 0.2, s)
         end = dome(s / 0.012) * dome((1.0 - s) / 0.05)
         egg = bladder * math.sqrt(max(0.0, 1.0 - (2.0 * (s - b) / (c - a)) ** 2))
@@ -176,7 +176,7 @@ def blade(mesh, root, azimuth, elevation, droop, length, width, young, seed, bla
         def point(angle):
             u, v = superellipse(angle, 2.0 + 1.2 * leafy)
             k = u > 0
-            return along(centre, (side, u * wide * serration[k]),
+            return along(center, (side, u * wide * serration[k]),
                          (normal, v * thick + lift[k] * abs(u) ** 1.7))
 
         base = mix(leaf_at, TIP, 0.8 * smoothstep(0.3, 1.0, s) ** 1.6)
@@ -184,17 +184,17 @@ def blade(mesh, root, azimuth, elevation, droop, length, width, young, seed, bla
         stalk = smoothstep(0.7 * a, 1.3 * a, s)
         leaf_part = smoothstep(0.95 * c, 1.5 * c, s)
 
-        def colour(angle, p):
+        def color(angle, p):
             u = math.cos(angle)
             leaf = mix(base, TIP, 0.5 * smoothstep(0.70, 1.0, abs(u)))  # light shines through the thin edge
             leaf = mix(leaf, RIB, rib * (1.0 - smoothstep(0.02, 0.24, abs(u))))
             leaf = shade(leaf,
                          1.0 + 0.18 * value_noise(4.0 * u, 24.0 * s, 0.0, seed)
                          + 0.12 * value_noise(9.0 * u, 7.0 * s, 3.0, seed + 7))
-            float_colour = mix(BLADDER, BLADDER_TOP, smoothstep(-0.6, 0.9, (p[1] - centre[1]) / bladder))
-            return mix(mix(RIB, float_colour, stalk), leaf, leaf_part)
+            float_color = mix(BLADDER, BLADDER_TOP, smoothstep(-0.6, 0.9, (p[1] - center[1]) / bladder))
+            return mix(mix(RIB, float_color, stalk), leaf, leaf_part)
 
-        return point, colour
+        return point, color
 
     mesh.skin(steps, 22, section)
 

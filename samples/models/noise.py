@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Repeatable randomness and colour: the same numbers on every run."""
+"""Repeatable randomness and color: the same numbers on every run."""
 
 import math
 
@@ -74,9 +74,9 @@ def cell_distance(x, y, z, jitter=1.0):
     return math.sqrt(best)
 
 
-def srgb(hex_colour):
-    """'#rrggbb' as artists pick it, to the linear colour that glTF stores."""
-    channels = (int(hex_colour[i:i + 2], 16) / 255.0 for i in (1, 3, 5))
+def srgb(hex_color):
+    """'#rrggbb' as artists pick it, to the linear color that glTF stores."""
+    channels = (int(hex_color[i:i + 2], 16) / 255.0 for i in (1, 3, 5))
     return tuple(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels)
 
 
@@ -85,12 +85,12 @@ def mix(a, b, t):
     return tuple(p + (q - p) * t for p, q in zip(a, b))
 
 
-def shade(colour, factor):
-    return tuple(min(max(c * factor, 0.0), 1.0) for c in colour)
+def shade(color, factor):
+    return tuple(min(max(c * factor, 0.0), 1.0) for c in color)
 
 
 def ramp(stops, x):
-    """Colour at x along [(position, colour), ...]."""
+    """Color at x along [(position, color), ...]."""
     for (x0, c0), (x1, c1) in zip(stops, stops[1:]):
         if x <= x1:
             return mix(c0, c1, smoothstep(x0, x1, x))

@@ -65,7 +65,7 @@ def body_point(s, azimuth):
     return (wide * r * c, GROUND + y, r * z + lean(y))
 
 
-def skin_colour(p, up, tip=0.0):
+def skin_color(p, up, tip=0.0):
     """Mottled above, cream below; up: the height of the normal, tip: from 0 at the body to 1."""
     patch = fractal_noise(24 * p[0], 24 * p[1], 24 * p[2], 2, 451)
     back = mix(BRICK, WINE, smoothstep(-0.15, 0.40, patch))
@@ -130,45 +130,45 @@ def sucker(far, angle):
 
 
 def arm_ring(arm, u, far):
-    """Positions and colours of a ring; the first ones pass from the window's shape to a round section."""
-    centre, up = arm.place(u), arm.upward(u)
+    """Positions and colors of a ring; the first ones pass from the window's shape to a round section."""
+    center, up = arm.place(u), arm.upward(u)
     thick = interpolate(THICK, u) * dome((1.0 - u) / 0.03)
     shaped = smoothstep(0.0, 0.14, u)
-    positions, colours = [], []
+    positions, colors = [], []
     for k, corner in enumerate(arm.corners):
         angle = 2.0 * math.pi * (k - 0.5 * (COLUMNS - 1)) / WINDOW  # from straight below
         side, high = math.sin(angle), -math.cos(angle)
         cup = sucker(far, math.remainder(angle, 2.0 * math.pi))
         grown = smoothstep(0.06, 0.16, u) * (1.0 - smoothstep(0.93, 0.97, u))
         bump = 0.20 * grown * (1.0 - smoothstep(0.75, 1.15, cup)) * (0.4 + 0.6 * smoothstep(0.2, 0.7, cup))
-        round_point = along(centre, (arm.across, thick * side * (1.0 + bump)),
+        round_point = along(center, (arm.across, thick * side * (1.0 + bump)),
                             (up, thick * high * (0.92 + bump)))
-        kept = tuple(p + q - o for p, q, o in zip(corner, centre, arm.line[0]))
+        kept = tuple(p + q - o for p, q, o in zip(corner, center, arm.line[0]))
         point = mix(kept, round_point, shaped)
         below = mix(mix(CREAM, ROSE, 0.6 * smoothstep(1.1, 1.4, cup)), RIM, 1.0 - smoothstep(0.9, 1.15, cup))
         below = mix(below, CUP, 1.0 - smoothstep(0.25, 0.6, cup))
-        colour = skin_colour(point, high, u)
+        color = skin_color(point, high, u)
         positions.append(point)
-        colours.append(mix(colour, below, grown * smoothstep(0.30, 0.50, -high)))
-    return positions, colours
+        colors.append(mix(color, below, grown * smoothstep(0.30, 0.50, -high)))
+    return positions, colors
 
 
 def grow_arm(shape, arm, window, root, chain):
     """Adds the arm to the surface: rings from the window's vertices to the tip."""
-    positions, colours, triangles, influences = shape
+    positions, colors, triangles, influences = shape
     before = window
     for u, far in rings_of_arm():
         ring, paint = arm_ring(arm, u, far)
         first = len(positions)
         positions += ring
-        colours += paint
+        colors += paint
         influences += [along_chain(root, chain, JOINTS * u - 0.5)] * WINDOW
         for k in range(WINDOW):
             a, b, c, d = before[k], before[(k + 1) % WINDOW], first + k, first + (k + 1) % WINDOW
             triangles += ((a, d, b), (a, c, d)) if k % 2 else ((a, c, b), (b, c, d))
         before = range(first, first + WINDOW)
     positions.append(arm.place(1.0))
-    colours.append(paint[0])
+    colors.append(paint[0])
     influences.append(along_chain(root, chain, JOINTS))
     triangles += [(before[(k + 1) % WINDOW], before[k], len(positions) - 1) for k in range(WINDOW)]
 
@@ -177,15 +177,15 @@ def mantle_weights(p, root, mantle):
     return along_chain(root, mantle, (p[1] - GROUND - MANTLE[0]) / (MANTLE[1] - MANTLE[0]))
 
 
-def body_colour(p, s):
-    c = skin_colour(p, 12.0 * (s - 0.17))
+def body_color(p, s):
+    c = skin_color(p, 12.0 * (s - 0.17))
     for side in (1.0, -1.0):
-        way = math.dist(p, eye_centre(side)) / EYE_SIZE
+        way = math.dist(p, eye_center(side)) / EYE_SIZE
         c = mix(c, WINE, 0.8 * (1.0 - smoothstep(1.05, 1.5, way)))
     return c
 
 
-def eye_centre(side):
+def eye_center(side):
     r = 0.064
     return (side * EYE[0] * r, GROUND + EYE[1], EYE[2] * r + lean(EYE[1]))
 
@@ -193,7 +193,7 @@ def eye_centre(side):
 def skin(arms, root, mantle, chains):
     """The closed surface of body and arms."""
     around, vertices = ARMS * COLUMNS, {}
-    positions, colours, triangles, influences = shape = ([], [], [], [])
+    positions, colors, triangles, influences = shape = ([], [], [], [])
 
     def at(ring, column):
         """The vertex there, which is made when it is first asked for: there are none inside of windows."""
@@ -202,7 +202,7 @@ def skin(arms, root, mantle, chains):
             p = body_point(RINGS[ring], column_azimuth(column))
             vertices[ring, column] = len(positions)
             positions.append(p)
-            colours.append(body_colour(p, RINGS[ring]))
+            colors.append(body_color(p, RINGS[ring]))
             influences.append(mantle_weights(p, root, mantle))
         return vertices[ring, column]
 
@@ -218,7 +218,7 @@ def skin(arms, root, mantle, chains):
     for arm, chain in zip(arms, chains):
         grow_arm(shape, arm, [at(i, j) for i, j in arm.window], root, chain)
     mesh = Mesh()
-    mesh.append(positions, colours, triangles)
+    mesh.append(positions, colors, triangles)
     mesh.influences = influences
     return mesh
 
@@ -227,21 +227,21 @@ def eyes(root):
     """Golden, with slit pupils, wholly moved by the body."""
     mesh = Mesh()
     for side in (1.0, -1.0):
-        centre = eye_centre(side)
+        center = eye_center(side)
         ahead = normalize((side * EYE[0], 0.10, EYE[2]))
         along_slit = normalize((-ahead[2], 0.0, ahead[0]))
 
-        def point(d, centre=centre):
-            return along(centre, (d, EYE_SIZE))
+        def point(d, center=center):
+            return along(center, (d, EYE_SIZE))
 
-        def colour(d, p, ahead=ahead, along_slit=along_slit):
+        def color(d, p, ahead=ahead, along_slit=along_slit):
             x, y, front = dot(d, along_slit), d[1] - 0.10, dot(d, ahead)
             pupil = math.hypot(x / 0.62, y / 0.28)
             c = mix(INK, GOLD, smoothstep(0.9, 1.15, pupil))
             c = mix(c, ICE, 1.0 - smoothstep(0.16, 0.24, math.hypot(x - 0.25, y - 0.38)))
             return mix(BRICK, c, smoothstep(0.1, 0.3, front))
 
-        mesh.ball(4, point, colour)
+        mesh.ball(4, point, color)
     mesh.influences = [[(root, 1.0)]] * len(mesh.positions)
     return mesh
 

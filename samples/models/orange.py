@@ -9,7 +9,7 @@ from rig import rig as make_rig
 from rig import travelling_wave
 
 RADIUS = 0.042
-CENTRE = 0.0395
+CENTER = 0.0395
 
 PEEL, PEEL_WARM, PEEL_LIGHT, PORE = srgb("#f98a0c"), srgb("#ee6a05"), srgb("#ffb02e"), srgb("#d9560a")
 GREENISH, CALYX, CALYX_EDGE = srgb("#9aa324"), srgb("#5d7a2b"), srgb("#93a24c")
@@ -24,7 +24,7 @@ def pore(d):
 
 
 def peel_radius(d):
-    """Distance from the centre without pores: a slightly flattened, slightly uneven ball with a dent for the
+    """Distance from the center without pores: a slightly flattened, slightly uneven ball with a dent for the
     stem and one below."""
     lumps = 0.012 * fractal_noise(1.6 * d[0], 1.6 * d[1], 1.6 * d[2], 2, 3)
     above = math.exp(-((1.0 - d[1]) / 0.055))
@@ -36,7 +36,7 @@ def peel_radius(d):
 
 def on_peel(d, lift=0.0):
     r = peel_radius(d) + lift
-    return (d[0] * r, CENTRE + 0.955 * d[1] * r, d[2] * r)
+    return (d[0] * r, CENTER + 0.955 * d[1] * r, d[2] * r)
 
 
 def peel(mesh):
@@ -46,7 +46,7 @@ def peel(mesh):
         pores[d] = pore(d)
         return on_peel(d, -0.0008 * pores[d] * (1.0 - 0.7 * smoothstep(0.9, 0.99, d[1])))
 
-    def colour(d, p):
+    def color(d, p):
         patch = fractal_noise(2.2 * d[0], 2.2 * d[1], 2.2 * d[2], 3, 11)
         base = mix(PEEL_WARM, PEEL, smoothstep(-0.5, 0.3, patch))
         base = mix(base, PEEL_LIGHT, 0.55 * smoothstep(0.0, 0.6, patch + 0.35 * d[1]))
@@ -54,7 +54,7 @@ def peel(mesh):
         base = mix(base, PEEL_WARM, 0.5 * smoothstep(0.96, 1.0, -d[1]))
         return mix(base, PORE, 0.45 * pores[d])
 
-    mesh.ball(6, point, colour)
+    mesh.ball(6, point, color)
 
 
 def calyx(mesh):
@@ -70,12 +70,12 @@ def calyx(mesh):
             curl = 0.0020 * smoothstep(0.55, 1.0, out / 0.0125)
             return on_peel(d, 0.0004 + 0.0015 * v + curl)
 
-        def colour(angle, p):
+        def color(angle, p):
             edge = smoothstep(0.4, 1.0, math.hypot(p[0], p[2]) / 0.012)
             return shade(mix(CALYX, CALYX_EDGE, edge),
                          1.0 + 0.2 * value_noise(900 * p[0], 0.0, 900 * p[2], 21))
 
-        return point, colour
+        return point, color
 
     mesh.skin([0.02 + 0.96 * s for s in rounded(24, 0.2)], 60, section)
 
@@ -94,12 +94,12 @@ def stem(mesh):
             r = thick * (1.0 + 0.06 * math.cos(5 * angle))
             return (x + r * math.cos(angle), y, z + r * math.sin(angle))
 
-        def colour(angle, p):
+        def color(angle, p):
             grain = value_noise(6 * math.cos(angle), 500 * p[1], 6 * math.sin(angle), 23)
             return mix(shade(mix(CALYX, WOOD, smoothstep(0.0, 0.45, s)), 1.0 + 0.25 * grain), CUT,
                        smoothstep(0.955, 0.97, s))
 
-        return point, colour
+        return point, color
 
     mesh.skin(rounded(30, 0.6), 20, section)
 
@@ -131,7 +131,7 @@ def leaf(mesh, start, azimuth, lift, droop, length, width, seed):
             groove = 0.0004 * blade * end * math.exp(-(u / 0.1) ** 2)  # along the rib above, a ridge below
             return along(line[i], (side, u * wide), (normal, v * thick + blade * fold * wide - groove))
 
-        def colour(angle, p):
+        def color(angle, p):
             u, v = superellipse(angle, 2.0 + blade)
             body = mix(LEAF_DEEP, LEAF, 0.5 + 0.5 * value_noise(3 * u, 6 * s, 0.0, seed))
             body = mix(body, LEAF_LIGHT,
@@ -144,7 +144,7 @@ def leaf(mesh, start, azimuth, lift, droop, length, width, seed):
             body = mix(body, VEIN, 0.85 * (1.0 - smoothstep(0.05, 0.16, abs(u))))
             return mix(mix(CALYX, VEIN, 0.4), body, smoothstep(0.1, 0.22, s))
 
-        return point, colour
+        return point, color
 
     mesh.skin(steps, 40, section)
 

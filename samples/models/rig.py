@@ -2,14 +2,14 @@
 """Rigs that move like living things: waves that travel along the spline.
 
 A clip adds offsets and tangents to the knots at rest. Tangents that no wave moves follow the offsets: they
-are the slopes between the neighbours. With three or four knots, those are coarse slopes of a wave. So every
+are the slopes between the neighbors. With three or four knots, those are coarse slopes of a wave. So every
 wave is sampled from one continuous motion
 
 d(at, time) = envelope(at) * sin(2 pi (time / period - lag * at + phase))
 
 and each knot gets its value as an offset and its derivative along the spline as a tangent.
 
-What bends far is better told by the direction of its centre line: bent_line() keeps the line's length, and
+What bends far is better told by the direction of its center line: bent_line() keeps the line's length, and
 cycle() makes keys of such lines.
 """
 

@@ -49,14 +49,14 @@ def ribbon(mesh, i):
             u, v = superellipse(angle, 2.8)
             return along(line[k], (across, u * wide), (normal, v * thick - 0.12 * wide * u * u))
 
-        def colour(angle, p):
+        def color(angle, p):
             u = math.cos(angle)
             base = ramp(((0.0, SHEATH), (0.14, DEEP), (0.5, LEAF), (0.85, LIGHT), (1.0, TIP)),
                         s + 0.25 * warm)
             base = mix(base, LIGHT, 0.35 * (1.0 - smoothstep(0.05, 0.3, abs(u))))
             return shade(base, 1.0 + 0.16 * value_noise(5.0 * u, 16.0 * s, i, 306))
 
-        return point, colour
+        return point, color
 
     mesh.skin(steps, 16, section)
 

@@ -40,13 +40,13 @@ def sand(mesh):
         edge = 0.6 * THICKNESS
         return (x, edge + (height(x, z) - edge) * rim if d[1] > 0 else edge * (1.0 - rim), z)
 
-    def colour(d, p):
+    def color(d, p):
         x, y, z = p
         grain = fractal_noise(60 * x, 60 * z, 0.0, 2, 230)
         base = ramp(((-1.0, SHADE), (0.0, SAND), (1.0, SUN)), 0.75 * ripple(x, z) + 0.5 * grain)
         return mix(base, GRIT, 0.7 * (1.0 - smoothstep(0.10, 0.22, cell_distance(38 * x, 38 * y, 38 * z))))
 
-    mesh.ball(6, point, colour)
+    mesh.ball(6, point, color)
 
 
 def pebbles(mesh):
@@ -61,10 +61,10 @@ def pebbles(mesh):
             return (x + wide * d[0] * r, height(x, z) + 0.2 * size + 0.65 * size * d[1] * r,
                     z + long * d[2] * r)
 
-        def colour(d, p, i=i, base=base):
+        def color(d, p, i=i, base=base):
             return shade(base, 1.0 + 0.25 * fractal_noise(3.0 * d[0] + i, 3.0 * d[1], 3.0 * d[2], 2, 247))
 
-        mesh.ball(2, point, colour)
+        mesh.ball(2, point, color)
 
 
 def surfaces():

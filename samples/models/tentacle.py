@@ -38,7 +38,7 @@ def skin(mesh):
             folds = 1.0 + 0.030 * fractal_noise(260 * x, 130 * y, 260 * z, 2, 351)
             return (folds * x, y, folds * z)
 
-        def colour(angle, p):
+        def color(angle, p):
             inner = math.cos(angle) + 0.18 * fractal_noise(90 * p[0], 40 * p[1], 90 * p[2], 2, 352)
             back = mix(RUST, WINE, smoothstep(-0.25, 0.35, fractal_noise(22 * p[0], 22 * p[1], 22 * p[2], 2,
                                                                          353)))
@@ -48,7 +48,7 @@ def skin(mesh):
             front = mix(CREAM, ROSE, 0.5 + 0.5 * math.sin(2.0 * math.pi * 26.0 * s ** 1.25))
             return mix(back, front, smoothstep(0.25, 0.45, inner))
 
-        return point, colour
+        return point, color
 
     mesh.skin(rounded(300, 0.25), 72, section)
 
@@ -73,11 +73,11 @@ def sucker(mesh, s, side):
             return along(root, (out, size * height), (up, size * radius * math.cos(turn)),
                          (across, size * radius * math.sin(turn)))
 
-        def colour(turn, p):
+        def color(turn, p):
             bowl = mix(mix(ROSE, RIM, smoothstep(3.0, 5.0, k)), CUP, smoothstep(7.2, 9.5, k))
             return shade(bowl, 1.0 + 0.12 * fractal_noise(150 * p[0], 150 * p[1], 150 * p[2], 2, 354))
 
-        return point, colour
+        return point, color
 
     mesh.skin(range(len(PROFILE)), 20, section)
 
@@ -97,7 +97,7 @@ KNOTS = (0, 0.2, 0.4, 0.55, 0.7, 0.85, 1)
 
 
 def curled(amount):
-    """The angle of the centre line by its place: it leans back below, and rolls up from the tip down."""
+    """The angle of the center line by its place: it leans back below, and rolls up from the tip down."""
     front = 1.0 - 0.70 * amount
 
     def angle(at):

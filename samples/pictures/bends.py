@@ -26,7 +26,7 @@ YAWS = (0, 90, 180)  # of each column of Figure 6: from where it bends to the ri
 STEEPEST = {"shear": 89, "sweep": 90}
 APART = 1.6  # in heights of the model: how far the two stand apart
 
-# What stands where, in metres; the first pack, and --and those that follow.
+# What stands where, in meters; the first pack, and --and those that follow.
 SCENE = (
     ("tentacle", "--at=-0.60,0,0.02 --turn -25 --clip curl --time 0.2"),
     ("tentacle", "--at=-0.36,0,-0.02 --turn -25 --clip curl --time 1.4"),

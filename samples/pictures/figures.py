@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Draws Figures 6 and 7 of the paper with kelp's own programs: bakes the models, renders every tile, and lays
-out two labelled sheets.
+out two labeled sheets.
 
 samples/pictures/figures.sh builds all that this needs, and calls it."""
 
@@ -25,7 +25,7 @@ POSES = (
     ((REST, (215, 12)), (((-2, 0, 0), (2, 0, 3)), (215, 12)), (((-40, 0, 0), (20, 0, -13)), (285, 30))),
     ((REST, (20, 12)), (((0, 0, 3), (-3, 0, 4)), (20, 12)), (((0, 0, -3), (-54, 0, -10)), (60, 14))),
 )
-# Of each column: what it is called, the asset and its colour, and the sample model that stands in where there
+# Of each column: what it is called, the asset and its color, and the sample model that stands in where there
 # are no assets.
 COLUMNS = (
     ("an orange", None, None, "orange"),
@@ -33,7 +33,7 @@ COLUMNS = (
     ("the bunny", "mesh/common3d/stanford-bunny.obj", (0.78, 0.64, 0.50), "kelp_plant"),
 )
 
-# Figure 7: where everything stands, in metres. The camera's two places are level with the scene and straight
+# Figure 7: where everything stands, in meters. The camera's two places are level with the scene and straight
 # above it.
 SCENE = (
     ("kelp_plant", "--clip current --time 0.7 --at=-0.6,0,-0.1 --turn 20"),
@@ -80,7 +80,7 @@ class Studio:
                          name + ("_straight" if more else ""), *resolution, *more)
 
     def asset(self, file, color, *more):
-        """The mesh in one colour: a copy among the results, never in the source tree."""
+        """The mesh in one color: a copy among the results, never in the source tree."""
         name = os.path.splitext(os.path.basename(file))[0]
         with open(self.path(name + ".mtl"), "w", encoding="ascii") as material:
             material.write("newmtl paint\nKd %g %g %g\n" % color)

@@ -113,7 +113,7 @@ SIDES, GLAZE = 72, 512
 
 
 def glaze(u, v):
-    """The vase's painting: u around it, v upwards, both from 0 to 1; linear colours."""
+    """The vase's painting: u around it, v upwards, both from 0 to 1; linear colors."""
     clay, ink, sea, sand = (noise.srgb(c) for c in ("#f3e6cf", "#1d3a5f", "#2f7fa8", "#c8683c"))
     wave = 0.018 * math.sin(2 * math.pi * 12 * u)
     if 0.30 < v < 0.62:  # fish scales
@@ -168,7 +168,7 @@ def texture(studio):
     write_vase(source)
     sheared, swept = bent(studio, "vase", source)
     seen = ("--yaw", 0, "--pitch", 12, "--background", PALE, "--clip", "bend", "--time")
-    draw(studio, "texture", "textures", "the colours of an image, as a palette of 256", (
+    draw(studio, "texture", "textures", "the colors of an image, as a palette of 256", (
         ("straight", (swept, *seen, 0)), ("sheared, by 60 degrees", (sheared, *seen, 2)),
         ("swept, by 60 degrees", (swept, *seen, 2)), ("swept, by 90 degrees", (swept, *seen, 3))))
 
@@ -191,7 +191,7 @@ def slices(studio):
 
     draw(studio, "slices", "slices", "one layer of voxels", (
         ("the model", (orange, "--yaw", 0, "--pitch", 0, "--background", "255,255,255")),
-        ("solid, grey inside", cut("occupancy")), ("how far the solid is", cut("clearance"))))
+        ("solid, gray inside", cut("occupancy")), ("how far the solid is", cut("clearance"))))
 
 
 def windows(studio):

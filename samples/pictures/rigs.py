@@ -18,7 +18,7 @@ import figures  # noqa: E402
 import png  # noqa: E402
 
 SAND, MOSS, FERN, YELLOW = (0.55, 0.50, 0.42), (0.10, 0.22, 0.12), (0.16, 0.36, 0.18), (1.0, 0.62, 0.05)
-HALF = 0.075  # of the post's side, metres; it is 1 m high
+HALF = 0.075  # of the post's side, meters; it is 1 m high
 
 BEND = [{"at": 0}, {"at": 0.5, "offset": [0.2, 0, 0]}, {"at": 1}]
 SWAY = {"sway": {"waves": [{"knot": 1, "offset": [0.25, 0, 0], "period": 4},
@@ -51,20 +51,20 @@ SHEETS = {
 
 
 def write_boxes(path, boxes):
-    """An OBJ of boxes (low corner, high corner, colour), each closed."""
+    """An OBJ of boxes (low corner, high corner, color), each closed."""
     name = os.path.splitext(os.path.basename(path))[0]
-    colours = sorted({colour for _, _, colour in boxes})
+    colors = sorted({color for _, _, color in boxes})
     with open(path[:-4] + ".mtl", "w", encoding="ascii") as file:
-        for i, colour in enumerate(colours):
-            file.write("newmtl m%d\nKd %g %g %g\n" % (i, *colour))
+        for i, color in enumerate(colors):
+            file.write("newmtl m%d\nKd %g %g %g\n" % (i, *color))
     with open(path, "w", encoding="ascii") as file:
         file.write("mtllib %s.mtl\n" % name)
         for low, high, _ in boxes:
             for corner in range(8):
                 file.write("v %g %g %g\n"
                            % tuple((high if corner >> axis & 1 else low)[axis] for axis in range(3)))
-        for i, (_, _, colour) in enumerate(boxes):
-            file.write("usemtl m%d\n" % colours.index(colour))
+        for i, (_, _, color) in enumerate(boxes):
+            file.write("usemtl m%d\n" % colors.index(color))
             for face in ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)):
                 file.write("f %d %d %d %d\n" % tuple(8 * i + corner + 1 for corner in face))
 

@@ -38,7 +38,7 @@ export interface Part {
 export interface Description {
   /** Of the pack. */
   bytes: number;
-  /** The model at rest, in metres. */
+  /** The model at rest, in meters. */
   min: Vector;
   max: Vector;
   /** Whether the pack holds distances. */
@@ -76,10 +76,10 @@ export interface Hit {
   material: number;
   /** In voxels of `level`. */
   voxel: Vector;
-  /** World, metres. */
+  /** World, meters. */
   position: Vector;
   normal: Vector;
-  /** The same point of the undeformed model, metres. */
+  /** The same point of the undeformed model, meters. */
   rest: Vector;
 }
 export interface Sizes {

@@ -47,7 +47,7 @@ TEST(ImportGltfData, PositionsOfEveryTypeMeanTheSame) {
   }
 }
 
-TEST(ImportGltfData, ColoursAreFloatsOrFractionsOfTheirType) {
+TEST(ImportGltfData, ColorsAreFloatsOrFractionsOfTheirType) {
   const Scratch scratch;
   const auto color = [&](const std::string& bytes, int type, const char* shape, const std::string& more) {
     GltfMaker maker;
@@ -65,7 +65,7 @@ TEST(ImportGltfData, ColoursAreFloatsOrFractionsOfTheirType) {
   EXPECT_EQ(color(bytesOf(std::vector<std::uint16_t>{0, 0, 0, 0, 13107, 26214, 65535, 65535, 0, 0, 0, 0}),
                   5123, "VEC4", R"("normalized":true)"),
             glm::vec4(0.2f, 0.4f, 1, 1));
-  // Left out by exporters: an integer colour cannot be meant as it stands.
+  // Left out by exporters: an integer color cannot be meant as it stands.
   EXPECT_EQ(
       color(bytesOf(std::vector<std::uint8_t>{0, 0, 0, 0, 51, 102, 255, 255, 0, 0, 0, 0}), 5121, "VEC4", ""),
       glm::vec4(0.2f, 0.4f, 1, 1));

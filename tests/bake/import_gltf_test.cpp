@@ -25,7 +25,7 @@ TEST(ImportGltf, DuckHasItsTrianglesAndStandsUpright) {
   EXPECT_GT(signedVolume(model.parts[0]), 0);
 }
 
-// The bind pose of the skin is the mesh as modelled: the accessor's own min and max, in its own axes, which
+// The bind pose of the skin is the mesh as modeled: the accessor's own min and max, in its own axes, which
 // the rest pose of the joints keeps.
 TEST(ImportGltf, FoxStandsWhereItsBindPoseSays) {
   KELP_ASSET(path, "gltf/draco_testdata/Fox/Fox.gltf");

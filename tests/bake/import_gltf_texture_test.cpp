@@ -20,7 +20,7 @@ std::string webp(const Texels& texels, int width) {
   return bytes;
 }
 
-// Uncompressed true colour with alpha, first row at the top.
+// Uncompressed true color with alpha, first row at the top.
 std::string tga(const Texels& texels, int width) {
   const auto height = texels.size() / static_cast<std::size_t>(width);
   std::string bytes("\0\0\2\0\0\0\0\0\0\0\0\0", 12);
@@ -150,7 +150,7 @@ TEST_F(Textured, SamplersSayHowToWrapAndFilter) {
   EXPECT_FALSE(standard.nearest);
 }
 
-TEST_F(Textured, SpecularGlossinessKeepsTheColourOfPaintAndOfMetal) {
+TEST_F(Textured, SpecularGlossinessKeepsTheColorOfPaintAndOfMetal) {
   const auto import = [&](const std::string& value, const std::string& rest = "") {
     return Textured::import(R"("extensions":{"KHR_materials_pbrSpecularGlossiness":{)" + value + "}}", rest);
   };
@@ -160,13 +160,13 @@ TEST_F(Textured, SpecularGlossinessKeepsTheColourOfPaintAndOfMetal) {
   EXPECT_EQ(paint.base_color, glm::vec4(0.8f, 0.2f, 0.1f, 1));
   EXPECT_EQ(paint.metallic, 0.0f);
   EXPECT_NEAR(paint.roughness, 0.25f, 1e-6);
-  // Gold: nothing is diffuse, all of its colour is specular.
+  // Gold: nothing is diffuse, all of its color is specular.
   const SurfaceMaterial gold =
       import(R"("diffuseFactor":[0,0,0,1],"specularFactor":[1,0.766,0.336],"glossinessFactor":0.5)")
           .materials[0];
   EXPECT_EQ(gold.base_color, glm::vec4(1, 0.766f, 0.336f, 1));
   EXPECT_GT(gold.metallic, 0.9f);
-  // An exporter that wrote no specular half means the diffuse colour.
+  // An exporter that wrote no specular half means the diffuse color.
   EXPECT_EQ(import(R"("diffuseFactor":[0.8,0.2,0.1,1])").materials[0].base_color,
             glm::vec4(0.8f, 0.2f, 0.1f, 1));
   // A metal in its texture, whose alpha is the gloss and no transparency.
@@ -179,7 +179,7 @@ TEST_F(Textured, SpecularGlossinessKeepsTheColourOfPaintAndOfMetal) {
   EXPECT_EQ(textured.parts[0].soup.uvs.at(0)[0], glm::vec2(0.25f));
 }
 
-// A square of one metre in the plane of x and y, one material, as voxels. TEXCOORD_0 is the picture upright,
+// A square of one meter in the plane of x and y, one material, as voxels. TEXCOORD_0 is the picture upright,
 // TEXCOORD_1 exchanges u and v.
 class Square : public ::testing::Test {
  protected:
@@ -311,11 +311,11 @@ TEST_F(Textured, PathsAndLinksThatStayInTheFolderAreFollowed) {
 TEST_F(Textured, DamagedPicturesAreDoneWithout) {
   const std::pair<std::string, const char*> cases[] = {
       {"\xff\xd8\xff",
-       "images[0]: is a JPEG picture that cannot be decoded (Premature end of JPEG file): the colour factor "
+       "images[0]: is a JPEG picture that cannot be decoded (Premature end of JPEG file): the color factor "
        "alone is used"},
       {"\x89PNG\r\n\x1a\n",
-       "images[0]: is a PNG picture whose header is damaged or cut off: the colour factor alone is used"},
-      {"BM", "images[0]: is not a PNG, JPEG, WebP, BMP or TGA image: the colour factor alone is used"}};
+       "images[0]: is a PNG picture whose header is damaged or cut off: the color factor alone is used"},
+      {"BM", "images[0]: is not a PNG, JPEG, WebP, BMP or TGA image: the color factor alone is used"}};
   for (const auto& [bytes, said] : cases) {
     const SourceModel model = import(plain(), R"("textures":[{"source":0}],)" + images({dataUri(bytes)}));
     ASSERT_EQ(model.notices.size(), 1u) << said;
@@ -329,7 +329,7 @@ TEST_F(Textured, PicturesOnTheNetCanNotBeHad) {
   EXPECT_TRUE(model.images.empty());
   ASSERT_EQ(model.notices.size(), 1u);
   EXPECT_TRUE(contains(model.notices[0], "images[0]: reference 'http://a/b.png'") &&
-              contains(model.notices[0], "the colour factor alone is used"));
+              contains(model.notices[0], "the color factor alone is used"));
 }
 
 }  // namespace

@@ -360,7 +360,7 @@ TEST(ImportKnots, BrokenExtrasNameTheNode) {
   EXPECT_TRUE(contains(message, "Stem") && contains(message, "knobs")) << message;
 }
 
-TEST(ImportRig, FileBeatsPresetBeatsNeighbourBeatsKnots) {
+TEST(ImportRig, FileBeatsPresetBeatsNeighborBeatsKnots) {
   Reed reed;
   const auto rig = reed.scratch().write("mine.rig.json", R"({"kelp":1,"axis":"+z"})");
   Settings settings;

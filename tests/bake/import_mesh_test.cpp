@@ -34,12 +34,12 @@ TEST(ImportMesh, RealFilesHaveTheirCounts) {
 
 TEST(ImportMesh, ObjMaterialsNamesWithSpacesAndNegativeIndices) {
   const Scratch scratch;
-  scratch.write("my colours.mtl",
+  scratch.write("my colors.mtl",
                 "newmtl deep red\nKd 0.5 0 0\nd 0.25\nnewmtl glow\nKd 1 1 1\nKe 0 2 0\nmap_Kd -clamp on "
                 "../secret.png\n");
   const SourceModel model = importFile(
       scratch.write("a.obj",
-                    "mtllib my colours.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl deep red\nf -4 -3 "
+                    "mtllib my colors.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl deep red\nf -4 -3 "
                     "\\\n-2\nusemtl glow\nf 1// 3//9 4//\nusemtl nothing\nf 1 2 3 4 # a quad\nl 1 2\n"),
       {});
   const auto& soup = model.parts[0].soup;
@@ -56,7 +56,7 @@ TEST(ImportMesh, ObjMaterialsNamesWithSpacesAndNegativeIndices) {
   EXPECT_EQ(model.materials[soup.triangles[2].material].name, "default");
 }
 
-// A map_Ke glows by itself where Ke is black, as a map_Kd has its colour where Kd is; its options are its
+// A map_Ke glows by itself where Ke is black, as a map_Kd has its color where Kd is; its options are its
 // own.
 TEST(ImportMesh, ObjPicturesGlow) {
   const Scratch scratch;
@@ -256,7 +256,7 @@ TEST(ImportMesh, LargeDiscsAreNoFans) {
   }
 }
 
-// One quad with colours, in all the ways of PLY.
+// One quad with colors, in all the ways of PLY.
 TEST(ImportMesh, PlyEncodingsAgree) {
   const Scratch scratch;
   const auto header = [](const std::string& format) {
@@ -322,7 +322,7 @@ TEST(ImportMesh, PlyStripsAreTheirTriangles) {
       "7"));
 }
 
-// Colours of the one, and places of both: found by fuzzing.
+// Colors of the one, and places of both: found by fuzzing.
 TEST(ImportMesh, PlyElementsAreDeclaredOnce) {
   const Scratch scratch;
   const std::string xyz = "property float x\nproperty float y\nproperty float z\n",
@@ -522,8 +522,8 @@ TEST(ImportMesh, StlWordsInABinaryFileMeanNothing) {
             "STL (text)");
 }
 
-// Words after the facets as the programs that write colours have them, and words that mean nothing.
-TEST(ImportMesh, StlColoursAreReadWherePlausible) {
+// Words after the facets as the programs that write colors have them, and words that mean nothing.
+TEST(ImportMesh, StlColorsAreReadWherePlausible) {
   const Scratch scratch;
   const auto colors = [&](const std::string& head, const std::vector<std::uint16_t>& words) {
     std::string file = head + std::string(80 - head.size(), ' ') +
@@ -545,11 +545,11 @@ TEST(ImportMesh, StlColoursAreReadWherePlausible) {
   using Colors = std::vector<glm::vec3>;
   constexpr std::uint16_t kHigh = 31 << 10, kMiddle = 31 << 5, kLow = 31, kFlag = 0x8000;
   const glm::vec3 red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1), white(1), black(0);
-  // VisCAM and SolidView: red is high; the flag says that there is a colour.
+  // VisCAM and SolidView: red is high; the flag says that there is a color.
   EXPECT_EQ(colors("b", {kFlag | kHigh, kFlag | kMiddle, kFlag | kLow, kFlag, 0}),
             (Colors{red, green, blue, black, white}));
   EXPECT_NEAR(colors("b", {kFlag | 16 << 10}).at(0).r, 0.2292, 1e-3);  // 16 of 31 as a display value
-  // Magics: red is low; the flag says that the colour is the header's.
+  // Magics: red is low; the flag says that the color is the header's.
   const std::string magics = std::string("COLOR=\xff\0\0\xff,MATERIAL=", 20);
   EXPECT_EQ(colors(magics, {kHigh, kMiddle, kLow, kFlag | kMiddle, 0}),
             (Colors{blue, green, red, red, black}));

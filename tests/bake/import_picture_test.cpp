@@ -76,24 +76,24 @@ std::string deflated(const std::string& plain) {
 const std::string kSignature = "\x89PNG\r\n\x1a\n";
 const std::string kEnd = chunk("IEND", "");
 
-std::string header(int width, int height, int depth, int colour, bool interlaced = false) {
-  return chunk("IHDR",
-               number(static_cast<std::uint32_t>(width)) + number(static_cast<std::uint32_t>(height)) +
-                   std::string{static_cast<char>(depth), static_cast<char>(colour), 0, 0, interlaced});
+std::string header(int width, int height, int depth, int color, bool interlaced = false) {
+  return chunk("IHDR", number(static_cast<std::uint32_t>(width)) +
+                           number(static_cast<std::uint32_t>(height)) +
+                           std::string{static_cast<char>(depth), static_cast<char>(color), 0, 0, interlaced});
 }
 
-constexpr int kGrey = 0, kColour = 2, kPalette = 3, kGreyAlpha = 4, kColourAlpha = 6;
+constexpr int kGray = 0, kColor = 2, kPalette = 3, kGrayAlpha = 4, kColorAlpha = 6;
 
 // Random samples of a kind of picture, how they are stored, and what pixels they are. PNG specification,
 // sections 6 to 9 and 11.
 struct PngCase {
-  int colour = kColourAlpha, depth = 8, width = 5, height = 7;
+  int color = kColorAlpha, depth = 8, width = 5, height = 7;
   bool transparency = false, interlaced = false;
   std::vector<unsigned> samples;
   std::vector<std::array<unsigned, 4>> palette;
 
   int channels() const {
-    return colour == kColour ? 3 : colour == kGreyAlpha ? 2 : colour == kColourAlpha ? 4 : 1;
+    return color == kColor ? 3 : color == kGrayAlpha ? 2 : color == kColorAlpha ? 4 : 1;
   }
   const unsigned* at(int x, int y) const {
     return &samples[static_cast<std::size_t>((y * width + x) * channels())];
@@ -102,15 +102,15 @@ struct PngCase {
   void fill(unsigned seed) {
     std::mt19937 numbers(seed);
     const auto random = [&] { return static_cast<unsigned>(numbers()); };
-    if (colour == kPalette)
+    if (color == kPalette)
       for (unsigned i = 0; i < std::min(1u << depth, 200u); ++i)
         palette.push_back(
             {random() & 255, random() & 255, random() & 255, transparency && i < 100 ? random() & 255 : 255});
-    const unsigned most = colour == kPalette ? static_cast<unsigned>(palette.size()) : 1u << depth;
+    const unsigned most = color == kPalette ? static_cast<unsigned>(palette.size()) : 1u << depth;
     for (int i = 0; i < width * height * channels(); ++i) samples.push_back(random() % most);
-    // The colour that is transparent occurs twice, and once with another lowest bit: of 16 bits all count.
+    // The color that is transparent occurs twice, and once with another lowest bit: of 16 bits all count.
     const auto texel = static_cast<std::size_t>(channels());
-    if (transparency && colour != kPalette && width * height > 2)
+    if (transparency && color != kPalette && width * height > 2)
       for (std::size_t i = 0; i < texel; ++i)
         samples[i + texel] = samples[i], samples[i + 2 * texel] = samples[i] ^ 1u;
   }
@@ -124,15 +124,15 @@ struct PngCase {
       for (int x = 0; x < width; ++x) {
         const unsigned* s = at(x, y);
         const bool hidden = transparency && std::equal(s, s + channels(), samples.data());
-        if (colour == kPalette)
+        if (color == kPalette)
           for (unsigned value : palette[*s]) rgba.push_back(static_cast<std::uint8_t>(value));
         else {
-          const bool grey = colour == kGrey || colour == kGreyAlpha;
-          for (int i = 0; i < 3; ++i) rgba.push_back(eight(s[grey ? 0 : i]));
-          rgba.push_back(colour == kGreyAlpha     ? eight(s[1])
-                         : colour == kColourAlpha ? eight(s[3])
-                         : hidden                 ? 0
-                                                  : 255);
+          const bool gray = color == kGray || color == kGrayAlpha;
+          for (int i = 0; i < 3; ++i) rgba.push_back(eight(s[gray ? 0 : i]));
+          rgba.push_back(color == kGrayAlpha    ? eight(s[1])
+                         : color == kColorAlpha ? eight(s[3])
+                         : hidden               ? 0
+                                                : 255);
         }
       }
     }
@@ -183,41 +183,41 @@ struct PngCase {
     return deflated(all);
   }
 
-  std::string colours() const {
+  std::string colors() const {
     std::string entries, alphas;
     for (const auto& entry : palette) {
       for (std::size_t i = 0; i < 3; ++i) entries += static_cast<char>(entry[i]);
       if (alphas.size() < 100) alphas += static_cast<char>(entry[3]);
     }
-    if (colour != kPalette)
+    if (color != kPalette)
       for (int i = 0; i < channels(); ++i) alphas += number(samples[static_cast<std::size_t>(i)], 2);
     return (palette.empty() ? "" : chunk("PLTE", entries)) + (transparency ? chunk("tRNS", alphas) : "");
   }
 
   std::string file(const std::string& first = "", const std::string& last = "") const {
-    return kSignature + header(width, height, depth, colour, interlaced) + first + colours() +
+    return kSignature + header(width, height, depth, color, interlaced) + first + colors() +
            chunk("IDAT", data()) + last + kEnd;
   }
 };
 
 TEST(PngPictures, EveryKindHasThePixelsThatWereWritten) {
-  const std::pair<int, std::vector<int>> kinds[] = {{kGrey, {1, 2, 4, 8, 16}},
-                                                    {kColour, {8, 16}},
+  const std::pair<int, std::vector<int>> kinds[] = {{kGray, {1, 2, 4, 8, 16}},
+                                                    {kColor, {8, 16}},
                                                     {kPalette, {1, 2, 4, 8}},
-                                                    {kGreyAlpha, {8, 16}},
-                                                    {kColourAlpha, {8, 16}}};
+                                                    {kGrayAlpha, {8, 16}},
+                                                    {kColorAlpha, {8, 16}}};
   unsigned seed = 0;
-  for (const auto& [colour, depths] : kinds) {
+  for (const auto& [color, depths] : kinds) {
     for (int depth : depths) {
       for (bool transparency : {false, true}) {
-        if (transparency && (colour == kGreyAlpha || colour == kColourAlpha)) continue;
+        if (transparency && (color == kGrayAlpha || color == kColorAlpha)) continue;
         for (bool interlaced : {false, true}) {
           for (const auto& [width, height] :
                {std::pair(1, 1), std::pair(3, 2), std::pair(1, 9), std::pair(29, 17)}) {
-            PngCase png{colour, depth, width, height, transparency, interlaced, {}, {}};
+            PngCase png{color, depth, width, height, transparency, interlaced, {}, {}};
             png.fill(++seed);
             ASSERT_EQ(pixels(png.file()), png.pixels())
-                << "colour type " << colour << ", depth " << depth << ", tRNS " << transparency
+                << "color type " << color << ", depth " << depth << ", tRNS " << transparency
                 << ", interlaced " << interlaced << ", " << width << " x " << height;
           }
         }
@@ -226,9 +226,9 @@ TEST(PngPictures, EveryKindHasThePixelsThatWereWritten) {
   }
 }
 
-// glTF 2.0, section 3.8.2: colour information in a picture is ignored. So is all else that no pixel needs,
+// glTF 2.0, section 3.8.2: color information in a picture is ignored. So is all else that no pixel needs,
 // however much there is of it.
-TEST(PngPictures, WhatIsSaidOfColoursChangesNone) {
+TEST(PngPictures, WhatIsSaidOfColorsChangesNone) {
   PngCase png;
   png.depth = 16;
   png.fill(1);
@@ -279,7 +279,7 @@ TEST(PngPictures, DataMayLieInPieces) {
   png.fill(2);
   std::string pieces = chunk("IDAT", "");
   for (char byte : png.data()) pieces += chunk("IDAT", std::string(1, byte));
-  EXPECT_EQ(pixels(kSignature + header(png.width, png.height, png.depth, png.colour) + pieces + kEnd),
+  EXPECT_EQ(pixels(kSignature + header(png.width, png.height, png.depth, png.color) + pieces + kEnd),
             png.pixels());
 }
 
@@ -292,26 +292,26 @@ TEST(PngPictures, LiesAreRefused) {
   unknown.insert(unknown.find("PLTE") - 4, chunk("KELP", "?"));
   const std::string data = chunk("IDAT", deflated(std::string(100, '\0')));
   const std::pair<std::string, const char*> cases[] = {
-      {kSignature + header(8193, 8192, 8, kGrey) + data + kEnd,
+      {kSignature + header(8193, 8192, 8, kGray) + data + kEnd,
        "has 8193 x 8192 pixels; at most 8192 x 8192 are read"},
-      {kSignature + header(16385, 1, 8, kGrey) + data + kEnd,
+      {kSignature + header(16385, 1, 8, kGray) + data + kEnd,
        "has 16385 x 1 pixels; at most 8192 x 8192 are read, and 16384 in a row or a column"},
-      {kSignature + header(1, 16385, 8, kGrey) + data + kEnd, "has 1 x 16385 pixels"},
-      {kSignature + header(0, 5, 8, kGrey) + data + kEnd,
+      {kSignature + header(1, 16385, 8, kGray) + data + kEnd, "has 1 x 16385 pixels"},
+      {kSignature + header(0, 5, 8, kGray) + data + kEnd,
        "is a PNG picture whose header is damaged or cut off"},
-      {kSignature + header(5, -5, 8, kGrey) + data + kEnd,
+      {kSignature + header(5, -5, 8, kGray) + data + kEnd,
        "is a PNG picture whose header is damaged or cut off"},
       {kSignature + data + kEnd, "is a PNG picture whose header is damaged or cut off"},
       {kSignature, "is a PNG picture whose header is damaged or cut off"},
-      {kSignature + header(5, 5, 3, kGrey) + data + kEnd, "cannot be decoded (Invalid IHDR data)"},
+      {kSignature + header(5, 5, 3, kGray) + data + kEnd, "cannot be decoded (Invalid IHDR data)"},
       {kSignature + header(5, 5, 8, kPalette) + data + kEnd, "cannot be decoded"},
-      {kSignature + header(5, 5, 8, kGrey) + kEnd, "cannot be decoded"},
-      {kSignature + header(20, 20, 8, kGrey) + data + kEnd, "cannot be decoded (Not enough image data)"},
-      {kSignature + header(5, 5, 8, kGrey) + chunk("IDAT", "no zlib stream") + kEnd,
+      {kSignature + header(5, 5, 8, kGray) + kEnd, "cannot be decoded"},
+      {kSignature + header(20, 20, 8, kGray) + data + kEnd, "cannot be decoded (Not enough image data)"},
+      {kSignature + header(5, 5, 8, kGray) + chunk("IDAT", "no zlib stream") + kEnd,
        "cannot be decoded (IDAT: "},
-      {kSignature + header(5, 5, 8, kGrey) + number(0x40000000) + "IDATx",
+      {kSignature + header(5, 5, 8, kGray) + number(0x40000000) + "IDATx",
        "cannot be decoded (the file ends too early)"},
-      {kSignature + header(5, 5, 8, kGrey) + number(0x7fffffff) + "tEXtx",
+      {kSignature + header(5, 5, 8, kGray) + number(0x7fffffff) + "tEXtx",
        "cannot be decoded (the file ends too early)"},
       {untrue, "cannot be decoded (tRNS: CRC error)"},
       {unknown, "cannot be decoded (KELP: unhandled critical chunk)"}};
@@ -325,7 +325,7 @@ TEST(PngPictures, LiesAreRefused) {
 
 constexpr int kWidth = 45, kHeight = 35;
 
-// A smooth picture of four channels: the first three are the colour, the fourth is what is left of the light
+// A smooth picture of four channels: the first three are the color, the fourth is what is left of the light
 // beside black ink.
 std::array<double, 4> smooth(int x, int y) {
   const double u = static_cast<double>(x) / kWidth, v = static_cast<double>(y) / kHeight;
@@ -382,7 +382,7 @@ std::string jpeg(const JpegCase& wanted, const std::vector<jpeg_scan_info>& scan
   return text;
 }
 
-const JpegCase kJpegs[] = {{.name = "grey", .given = JCS_GRAYSCALE, .stored = JCS_GRAYSCALE},
+const JpegCase kJpegs[] = {{.name = "gray", .given = JCS_GRAYSCALE, .stored = JCS_GRAYSCALE},
                            {.name = "4:4:4"},
                            {.name = "4:2:2", .across = 2},
                            {.name = "4:4:0", .down = 2},
@@ -417,7 +417,7 @@ TEST(JpegPictures, EveryKindIsNearWhatItsCoderWasGiven) {
         ASSERT_EQ(texel[3], 255);
       }
     }
-    const double texels = wanted.across * wanted.down;  // that share a colour
+    const double texels = wanted.across * wanted.down;  // that share a color
     EXPECT_LE(worst, 3 + texels) << wanted.name;
     EXPECT_LE(sum / (3 * kWidth * kHeight), 0.5 + 0.4 * texels) << wanted.name;
   }

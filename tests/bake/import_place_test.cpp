@@ -83,7 +83,7 @@ struct Ball {
   }
 };
 
-// A site in the metres of a map: at 4500 km a float's step is half a metre.
+// A site in the meters of a map: at 4500 km a float's step is half a meter.
 TEST(ImportPlace, ShapesFarFromTheOriginAreTheSame) {
   const Scratch scratch;
   const glm::dvec3 far(500123.375, 4512345.625, 100.25);

@@ -34,14 +34,14 @@ Baked bakeGrid(const std::filesystem::path& path, int resolution) {
 
 // The share of solid voxels that only one of both has.
 void expectSameVoxels(const Baked& plain, const Baked& variant, const std::string& what,
-                      double colour = 0.01) {
+                      double color = 0.01) {
   ASSERT_EQ(plain.grid.size, variant.grid.size) << what;
   ASSERT_GT(plain.solid, 1000u) << what;
   std::size_t differ = 0;
   for (std::size_t i = 0; i < plain.grid.solid.size(); ++i)
     differ += plain.grid.solid[i] != variant.grid.solid[i];
   EXPECT_LT(static_cast<double>(differ), 0.01 * static_cast<double>(plain.solid)) << what;
-  // Colours where both have a surface.
+  // Colors where both have a surface.
   double sum = 0;
   std::size_t both = 0, j = 0;
   for (const SurfaceSample& sample : plain.grid.surface) {
@@ -52,7 +52,7 @@ void expectSameVoxels(const Baked& plain, const Baked& variant, const std::strin
                        glm::vec3(variant.grid.surface[j].material.base_color));
   }
   ASSERT_GT(both, plain.grid.surface.size() / 2) << what;
-  EXPECT_LT(sum / static_cast<double>(both), colour) << what;
+  EXPECT_LT(sum / static_cast<double>(both), color) << what;
   ::testing::Test::RecordProperty(
       what + "_differ_per_10000",
       static_cast<int>(10000.0 * static_cast<double>(differ) / static_cast<double>(plain.solid)));
@@ -87,19 +87,19 @@ TEST(ImportVariants, Truck) {
 }
 TEST(ImportVariants, Barrel) { expectVariantsAgree("gltf/plants/barrel.glb", 96); }
 TEST(ImportVariants, Bunny) { expectVariantsAgree("gltf/pmndrs/bunny.glb", 128); }
-TEST(ImportVariants, VertexColours) { expectVariantsAgree("mesh/draco_testdata/test_pos_color.ply", 64); }
+TEST(ImportVariants, VertexColors) { expectVariantsAgree("mesh/draco_testdata/test_pos_color.ply", 64); }
 
 TEST(ImportVariants, PairsAmongTheAssets) {
   KELP_ASSET(folder, "gltf");
   const auto at = [&](const char* name) { return folder.parent_path() / name; };
   expectSameVoxels(bakeGrid(at("gltf/draco_testdata/Box.glb"), 64),
                    bakeGrid(at("gltf/draco_testdata/Box_Draco.glb"), 64), "box");
-  // The OBJ names no material that the glTF file shares: colours are not compared.
+  // The OBJ names no material that the glTF file shares: colors are not compared.
   expectSameVoxels(bakeGrid(at("mesh/meshopt/pirate.obj"), 128), bakeGrid(at("gltf/meshopt/pirate.glb"), 128),
                    "pirate", 2.0);
 }
 
-// A card of a millimetre beside a field of a kilometre: what the field's rounding would explain, the card's
+// A card of a millimeter beside a field of a kilometer: what the field's rounding would explain, the card's
 // own does not.
 TEST(ImportVariants, RoundingClosesSeamsAndNothingElse) {
   const Scratch scratch;
@@ -117,7 +117,7 @@ TEST(ImportVariants, RoundingClosesSeamsAndNothingElse) {
   EXPECT_EQ(model.parts.at(0).soup.triangles.size(), 4u);
 }
 
-// A .drc file on its own is the mesh that its glTF sibling holds, with its colours.
+// A .drc file on its own is the mesh that its glTF sibling holds, with its colors.
 TEST(ImportVariants, DracoFilesOnTheirOwn) {
   for (const char* asset : {"mesh/draco_testdata/test_pos_color.ply", "mesh/common3d/spot.obj"}) {
     KELP_ASSET(path, asset);

@@ -28,8 +28,8 @@ openvdb::FloatGrid::Ptr sphere(float radius, const openvdb::Vec3f& center, float
 
 struct Measure {
   double volume = 0;  // of the object
-  glm::dvec3 centre{0};
-  double mean_normal_error = 0;  // degrees, against the direction from the centre
+  glm::dvec3 center{0};
+  double mean_normal_error = 0;  // degrees, against the direction from the center
 };
 
 Measure measure(const SourceModel& model) {
@@ -45,16 +45,16 @@ Measure measure(const SourceModel& model) {
                            (static_cast<std::size_t>(y) +
                             static_cast<std::size_t>(grid.size.y) * static_cast<std::size_t>(z))]) {
           ++count;
-          out.centre += to_node * glm::dvec4(x + 0.5, y + 0.5, z + 0.5, 1);
+          out.center += to_node * glm::dvec4(x + 0.5, y + 0.5, z + 0.5, 1);
         }
-  out.centre /= count;
+  out.center /= count;
   out.volume = count * std::abs(glm::determinant(glm::dmat3(to_node)));
   for (const SurfaceSample& sample : grid.surface) {
     const auto i = sample.index;
     const glm::dvec3 voxel(double(i % std::uint64_t(grid.size.x)) + 0.5,
                            double(i / std::uint64_t(grid.size.x) % std::uint64_t(grid.size.y)) + 0.5,
                            double(i / (std::uint64_t(grid.size.x) * std::uint64_t(grid.size.y))) + 0.5);
-    const glm::dvec3 wanted = glm::normalize(to_node * glm::dvec4(voxel, 1) - out.centre);
+    const glm::dvec3 wanted = glm::normalize(to_node * glm::dvec4(voxel, 1) - out.center);
     const glm::dvec3 normal =
         glm::normalize(glm::transpose(glm::inverse(glm::dmat3(to_node))) * glm::dvec3(sample.normal));
     out.mean_normal_error +=
@@ -73,7 +73,7 @@ TEST(ImportVdb, ASphereKeepsItsVoxelsItsPlaceAndItsVolume) {
   EXPECT_NEAR(grid.to_node[0][0], 0.05f, 1e-6);
   const Measure m = measure(model);
   EXPECT_NEAR(m.volume, ballVolume(2), 0.01 * ballVolume(2));
-  EXPECT_LT(glm::length(m.centre - glm::dvec3(5, -3, 1)), 0.01);
+  EXPECT_LT(glm::length(m.center - glm::dvec3(5, -3, 1)), 0.01);
   EXPECT_LT(m.mean_normal_error, 0.5);
 }
 
@@ -87,7 +87,7 @@ TEST(ImportVdb, ResolutionAndVoxelSizeResample) {
   EXPECT_EQ(model.parts[0].grid->size, glm::ivec3(100));
   Measure m = measure(model);
   EXPECT_NEAR(m.volume, ballVolume(2), 0.01 * ballVolume(2));
-  EXPECT_LT(glm::length(m.centre - glm::dvec3(5, -3, 1)), 0.01);
+  EXPECT_LT(glm::length(m.center - glm::dvec3(5, -3, 1)), 0.01);
   EXPECT_LT(m.mean_normal_error, 0.5);
   settings.voxel_size = 0.1;
   model = importFile(path, settings);

@@ -13,7 +13,7 @@
 namespace kelp::bake::test {
 namespace {
 
-using Value = std::function<double(const glm::dvec3& centre)>;
+using Value = std::function<double(const glm::dvec3& center)>;
 
 // y fastest, then z, then x; in runs of at most 255.
 std::string binvox(const glm::ivec3& size, const std::function<bool(const glm::ivec3&)>& solid,
@@ -57,9 +57,9 @@ std::size_t expectSolid(const SourcePart& part, double edge, const glm::dvec3& o
   return count;
 }
 
-// Degrees between the normals and the direction from the centre, which is in voxels of the grid; the mean and
+// Degrees between the normals and the direction from the center, which is in voxels of the grid; the mean and
 // the largest.
-std::pair<double, double> normalErrors(const VoxelGrid& grid, const glm::dvec3& centre) {
+std::pair<double, double> normalErrors(const VoxelGrid& grid, const glm::dvec3& center) {
   double sum = 0, most = 0;
   for (const SurfaceSample& sample : grid.surface) {
     const auto x = static_cast<std::uint64_t>(grid.size.x), y = static_cast<std::uint64_t>(grid.size.y);
@@ -67,7 +67,7 @@ std::pair<double, double> normalErrors(const VoxelGrid& grid, const glm::dvec3& 
         glm::dvec3(double(sample.index % x), double(sample.index / x % y), double(sample.index / (x * y))) +
         0.5;
     const double error =
-        std::acos(std::min(1.0, glm::dot(glm::normalize(at - centre), glm::dvec3(sample.normal)))) * 57.29578;
+        std::acos(std::min(1.0, glm::dot(glm::normalize(at - center), glm::dvec3(sample.normal)))) * 57.29578;
     sum += error;
     most = std::max(most, error);
   }
@@ -145,7 +145,7 @@ TEST(ImportBinvox, DamagedFiles) {
     }
 }
 
-// A volume of `size` voxels whose values are those at their centres, in voxels, with its sidecar.
+// A volume of `size` voxels whose values are those at their centers, in voxels, with its sidecar.
 template <class T>
 std::filesystem::path writeRaw(const Scratch& scratch, const glm::ivec3& size, const std::string& type,
                                const Value& value, const std::string& more = "", bool big_endian = false,
@@ -201,9 +201,9 @@ TEST(ImportRaw, NormalsAreTheDensitysOwn) {
     settings.axis = axis;
     const SourceModel model = importFile(path, settings);
     const VoxelGrid& grid = *model.parts[0].grid;
-    const glm::dvec3 centre =
+    const glm::dvec3 center =
         glm::inverse(glm::dmat3(grid.to_node)) * (glm::dvec3(10, 9, 8) - glm::dvec3(grid.to_node[3]));
-    EXPECT_LT(normalErrors(grid, centre).second, 2.0);
+    EXPECT_LT(normalErrors(grid, center).second, 2.0);
   }
 }
 
@@ -343,7 +343,7 @@ TEST(ImportRaw, MeansOfFogAreExact) {
     const double edge = glm::length(glm::dvec3(fog.to_node[0])),
                  most = static_cast<double>(fog.extinction) / edge;
     // Each of the part's voxels along an axis of the scan: the share of each of the scan's, a box or, between
-    // neighbours, a tent, by summing it up in small steps.
+    // neighbors, a tent, by summing it up in small steps.
     std::array<std::vector<std::map<int, double>>, 3> shares;
     for (int axis = 0; axis < 3; ++axis)
       for (int voxel = 0; voxel < fog.size[axis]; ++voxel) {

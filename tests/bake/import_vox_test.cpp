@@ -24,8 +24,8 @@ std::map<Place, int> voxelsOf(const RawPack& pack, double voxel_size = 1) {
     std::size_t next = 0;
     std::map<std::uint32_t, glm::ivec3> brick_of;
     const auto placeOf = [&](const glm::ivec3& brick, int i) -> Place {
-      const glm::vec3 centre = glm::vec3(brick * kBrickSide + glm::ivec3(i & 7, i >> 3 & 7, i >> 6)) + 0.5f;
-      const glm::dvec3 object = glm::dvec3(part.to_object * glm::vec4(centre, 1)) / voxel_size;
+      const glm::vec3 center = glm::vec3(brick * kBrickSide + glm::ivec3(i & 7, i >> 3 & 7, i >> 6)) + 0.5f;
+      const glm::dvec3 object = glm::dvec3(part.to_object * glm::vec4(center, 1)) / voxel_size;
       return {static_cast<int>(std::floor(object.x)), static_cast<int>(std::floor(-object.z)),
               static_cast<int>(std::floor(object.y))};
     };
@@ -59,7 +59,7 @@ double linear(int display) {
   return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
-// Every voxel where the second reader has it, with the palette entry that its index names, in its colour.
+// Every voxel where the second reader has it, with the palette entry that its index names, in its color.
 void expectTruth(const RawPack& pack, const VoxTruth& truth, double voxel_size = 1) {
   const std::map<Place, int> voxels = voxelsOf(pack, voxel_size);
   ASSERT_EQ(voxels.size(), truth.voxels.size());
@@ -80,7 +80,7 @@ void expectTruth(const RawPack& pack, const VoxTruth& truth, double voxel_size =
   EXPECT_GT(painted, 0u);
 }
 
-TEST(ImportVox, EveryAssetHasTheVoxelsAndColoursOfASecondReader) {
+TEST(ImportVox, EveryAssetHasTheVoxelsAndColorsOfASecondReader) {
   const std::filesystem::path folder = kelp::test::assetsFolder() / "vox";
   if (kelp::test::assetsFolder().empty() || !std::filesystem::exists(folder))
     GTEST_SKIP() << "asset vox is absent: set KELP_ASSETS to a folder that holds it";
@@ -118,7 +118,7 @@ TEST(ImportVox, TheTurnOfTheFormatsDescription) {
   maker.model({8, 8, 8}, {{5, 6, 7, 9}, {4, 4, 4, 1}});
   maker.scene({{0, {{"_r", std::to_string((1 << 0) | (2 << 2) | (1 << 5) | (1 << 6))}}}});
   const std::map<Place, int> voxels = voxelsOf(baked(scratch.write("model.vox", maker.bytes())));
-  // About (4, 4, 4), centres at (1.5, 2.5, 3.5) and (0.5, 0.5, 0.5).
+  // About (4, 4, 4), centers at (1.5, 2.5, 3.5) and (0.5, 0.5, 0.5).
   const std::map<Place, int> wanted = {{{2, -4, -2}, 8}, {{0, -1, -1}, 0}};
   EXPECT_EQ(voxels, wanted);
 }
@@ -204,10 +204,10 @@ TEST(ImportVox, MaterialsInThePacksTerms) {
   EXPECT_EQ(palette[4].metallic, 0.5f);
   EXPECT_EQ(palette[5].metallic, 0.3f);
   EXPECT_EQ(palette[5].roughness, 0.8f);
-  EXPECT_TRUE(anyContains(importFile(path, {}).notices, "1 colour is glass"));
+  EXPECT_TRUE(anyContains(importFile(path, {}).notices, "1 color is glass"));
 }
 
-// displayed[k] = colour index map[k]: an artist dragged colours to other places of the palette.
+// displayed[k] = color index map[k]: an artist dragged colors to other places of the palette.
 TEST(ImportVox, ThePaletteIsInTheOrderInWhichItIsShown) {
   const Scratch scratch;
   VoxMaker maker;
@@ -231,7 +231,7 @@ TEST(ImportVox, ThePaletteIsInTheOrderInWhichItIsShown) {
 
   damaged.chunk("IMAP", std::string(256, 7));
   const auto path = scratch.write("model.vox", damaged.bytes());
-  EXPECT_TRUE(anyContains(importFile(path, {}).notices, "names a colour twice"));
+  EXPECT_TRUE(anyContains(importFile(path, {}).notices, "names a color twice"));
   EXPECT_EQ(voxelsOf(baked(path)).at({0, 0, 0}), 19);
 }
 
@@ -402,7 +402,7 @@ TEST(ImportVox, CoarserLevelsUseNoOtherIndices) {
   std::vector<std::array<int, 4>> voxels;
   for (int z = 0; z < 32; ++z)
     for (int y = 0; y < 32; ++y)
-      // white and dark red: their mean is a colour of the palette too
+      // white and dark red: their mean is a color of the palette too
       for (int x = 0; x < 32; ++x) voxels.push_back({x, y, z, (x / 4 + y / 4 + z / 4) % 2 ? 1 : 220});
   maker.model({32, 32, 32}, voxels);
   const RawPack pack = baked(scratch.write("model.vox", maker.bytes()));

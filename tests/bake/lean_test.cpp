@@ -11,7 +11,7 @@
 namespace kelp::bake::test {
 namespace {
 
-constexpr float kHeight = 2;  // metres, of GltfMaker's box
+constexpr float kHeight = 2;  // meters, of GltfMaker's box
 
 class Posed {
  public:

@@ -133,7 +133,7 @@ Sums sumsOf(const TriangleSoup& soup) {
   return sums;
 }
 
-// Polygons as the fan around their middle, which favours no diagonal.
+// Polygons as the fan around their middle, which favors no diagonal.
 Sums sumsOf(const Peer& peer) {
   Sums sums;
   for (const auto face : peer.mesh.faces()) {
@@ -225,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Asset{"mesh/draco_testdata/test_pos_color.ply", {.colors = true}}),
     nameOf);
 
-// What OpenMesh writes, both read back: a lump made here, coloured by its place, in every encoding.
+// What OpenMesh writes, both read back: a lump made here, colored by its place, in every encoding.
 TEST(OpenMeshFiles, InEveryEncodingReadTheSame) {
   const Scratch scratch;
   Peer lump;
@@ -266,8 +266,8 @@ TEST(OpenMeshFiles, InEveryEncodingReadTheSame) {
   binary_big_color += Io::Options::MSB;
   for (const Way& way :
        {Way{"text.obj", {}, {}}, Way{"text.off", {}, {}}, Way{"text.stl", {}, {}},
-        Way{"binary.stl", binary, {}}, Way{"text.ply", {}, {}}, Way{"colour.off", color, {.colors = true}},
-        Way{"colour.ply", color, {.colors = true}}, Way{"binary.ply", binary_color, {.colors = true}},
+        Way{"binary.stl", binary, {}}, Way{"text.ply", {}, {}}, Way{"color.off", color, {.colors = true}},
+        Way{"color.ply", color, {.colors = true}}, Way{"binary.ply", binary_color, {.colors = true}},
         Way{"big.ply", binary_big_color, {.colors = true}}}) {
     const std::filesystem::path path = scratch.folder() / way.name;
     ASSERT_TRUE(Io::write_mesh(lump.mesh, path.string(), way.options)) << way.name;

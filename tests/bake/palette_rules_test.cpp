@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Palettes by request: colours that somebody fixed, and materials that stay apart.
+// Palettes by request: colors that somebody fixed, and materials that stay apart.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 using bake::test::Scratch;
 using kelp::Exit;
 
-// Two boxes of the same grey, of two materials, one voxel apart.
+// Two boxes of the same gray, of two materials, one voxel apart.
 bake::SourceModel twins() {
   bake::TriangleSoup soup;
   test::addBox(soup, {0, 0, 0}, {8, 8, 8});
@@ -38,7 +38,7 @@ std::string refusal(const std::filesystem::path& path, Exit code) {
   return {};
 }
 
-TEST(PaletteRules, MaterialsOfOneColourStayApartOnAllLevels) {
+TEST(PaletteRules, MaterialsOfOneColorStayApartOnAllLevels) {
   const test::Baked baked = test::voxelizeUnit(twins());
   EXPECT_EQ(bake::choosePalette({&baked.grid()}, 2).entries.size(), 1u);
   const bake::Palette palette = bake::choosePalette({&baked.grid()}, 2, {{}, {}, true});
@@ -61,7 +61,7 @@ TEST(PaletteRules, MaterialsOfOneColourStayApartOnAllLevels) {
 }
 
 TEST(PaletteRules, CrowdedPalettesAreShared) {
-  // One material of 5 colours and one of 5000.
+  // One material of 5 colors and one of 5000.
   bake::VoxelGrid grid;
   for (std::uint32_t i = 0; i < 5005; ++i) {
     bake::SurfaceSample& sample = grid.surface.emplace_back();
@@ -84,11 +84,11 @@ TEST(PaletteRules, CrowdedPalettesAreShared) {
   EXPECT_THROW(bake::choosePalette({&grid}, 2, {{}, {}, true}), kelp::ToolError);
 }
 
-TEST(PaletteRules, FixedColoursAreTheEntriesInTheirOrder) {
+TEST(PaletteRules, FixedColorsAreTheEntriesInTheirOrder) {
   const Scratch scratch;
   const auto path = scratch.write("p.gpl",
                                   "GIMP Palette\r\nName: three\r\nColumns: 3\r\n# red\r\n255   0   "
-                                  "0\tred\r\n  0 255 0 green\r\n128 128 128 grey\r\n");
+                                  "0\tred\r\n  0 255 0 green\r\n128 128 128 gray\r\n");
   bake::FilesUsed used;
   const std::vector<glm::vec3> colors = bake::readPalette(path, &used);
   ASSERT_EQ(used.read.size(), 1u);
@@ -110,7 +110,7 @@ TEST(PaletteRules, FixedColoursAreTheEntriesInTheirOrder) {
   EXPECT_GT(palette.mean_error, 0.0);
 }
 
-TEST(PaletteRules, PicturesGiveTheirColoursOnce) {
+TEST(PaletteRules, PicturesGiveTheirColorsOnce) {
   const Scratch scratch;
   // TGA: 4 x 1, 32 bits, from the top left: blue, clear, green, blue.
   std::string tga{0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 1, 0, 32, 0x28};

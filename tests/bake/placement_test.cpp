@@ -86,7 +86,7 @@ TEST(Placement, UnitsScaleTheObjectAndNotTheVoxels) {
   expectBox(placed, {0, 0, 0}, {0.0254, 0.0508, 0.0762}, 1e-6);
   EXPECT_EQ(placed.voxels, 8u * 16 * 24);
   EXPECT_NEAR(placed.report.parts[0].voxel_size, 0.0762 / 24, 1e-9);
-  // A voxel size is in metres whatever the file is in.
+  // A voxel size is in meters whatever the file is in.
   settings.voxel_size = 0.0254 / 4;
   EXPECT_EQ(bakeBox(settings).voxels, 4u * 8 * 12);
   for (double wrong : {0.0, -1.0, 1e7, std::numeric_limits<double>::quiet_NaN()}) {

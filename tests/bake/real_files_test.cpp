@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Real files, baked at 256 voxels, against a picture of their own triangles: silhouette and colour, at rest
+// Real files, baked at 256 voxels, against a picture of their own triangles: silhouette and color, at rest
 // and bent.
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ double wrapped(double u, bake::Wrap wrap) {
   return u - std::floor(u);
 }
 
-// Base colour at a point of a triangle: nearest texel, no filter.
+// Base color at a point of a triangle: nearest texel, no filter.
 dvec3 colorAt(const bake::SourceModel& model, const bake::TriangleSoup& soup, std::size_t triangle, double u,
               double v) {
   const bake::SurfaceMaterial& material = model.materials[soup.triangles[triangle].material];
@@ -182,7 +182,7 @@ class Baked {
         either += hit || seen.hit();
         if (!hit || !seen.hit()) continue;
         ++both;
-        // Colours are compared where both pictures show the same place: within two voxels in depth.
+        // Colors are compared where both pictures show the same place: within two voxels in depth.
         if (std::abs((double{hit->t} - back) - seen.depth) > 2.5 * voxelSize()) continue;
         const auto [part, triangle] = origin[seen.triangle];
         const dvec3 expected = colorAt(model_, model_.parts[part].soup, triangle, seen.u, seen.v);
@@ -256,7 +256,7 @@ TEST_P(RealFiles, LookLikeTheirTriangles) {
   constexpr std::pair<double, double> kViews[] = {{35, 20}, {0, 0}, {120, -25}, {90, 60}};
   for (const auto& [yaw, pitch] : std::span(kViews).first(test::shareOf(4))) {
     const Comparison rest = baked.compare(yaw, pitch, nullptr);
-    std::printf("%s yaw %g pitch %g: IoU %.4f, colour %.4f\n", GetParam().name, yaw, pitch, rest.iou,
+    std::printf("%s yaw %g pitch %g: IoU %.4f, color %.4f\n", GetParam().name, yaw, pitch, rest.iou,
                 rest.color_error);
     EXPECT_GE(rest.iou, kLeastIou) << "yaw " << yaw << " pitch " << pitch;
     EXPECT_LE(rest.color_error, GetParam().color_error) << "yaw " << yaw << " pitch " << pitch;
@@ -264,7 +264,7 @@ TEST_P(RealFiles, LookLikeTheirTriangles) {
   constexpr std::size_t kFigures[] = {1, 2};
   for (const std::size_t figure : std::span(kFigures).first(test::shareOf(2))) {
     const Comparison bent = baked.compare(35, 20, &test::kFigure6[figure]);
-    std::printf("%s %s: IoU %.4f, colour %.4f\n", GetParam().name, test::kFigure6[figure].name, bent.iou,
+    std::printf("%s %s: IoU %.4f, color %.4f\n", GetParam().name, test::kFigure6[figure].name, bent.iou,
                 bent.color_error);
     EXPECT_GE(bent.iou, kLeastIou) << test::kFigure6[figure].name;
     EXPECT_LE(bent.color_error, GetParam().color_error) << test::kFigure6[figure].name;

@@ -16,7 +16,7 @@
 namespace kelp::bake::test {
 namespace {
 
-// A wavy lump with holes at its poles, coloured corner by corner with more colours than a palette has, and a
+// A wavy lump with holes at its poles, colored corner by corner with more colors than a palette has, and a
 // sheet beside it.
 std::string lump() {
   constexpr int kSteps = 32;

@@ -5,7 +5,7 @@
 // (or more). In a pose they draw it at two places. A gap would open on the straight line between the two. The
 // line is closed where it is inside a voxel of any part. Where a point of it is d voxels away from the
 // nearest voxel, a gap is 2 d wide. So a step is no gap, and an overlap closes what it covers. Where
-// neighbouring points have no part in common, it is the line from the one to the other.
+// neighboring points have no part in common, it is the line from the one to the other.
 //
 // Between two points of the surface that line may run through the air above a dent, which shows no inside. A
 // gap is deep if the line between the two places two voxels below is open too; then it is as wide as the
@@ -162,15 +162,15 @@ class Seams {
         for (int x = -kAround; x <= kAround; ++x)
           if (!solid.isSolid(at + glm::ivec3(x, y, z))) out += glm::dvec3(x, y, z);
     if (glm::length(out) > 0) out = glm::normalize(out);
-    const glm::dvec3 centre = glm::dvec3(at) + 0.5;
+    const glm::dvec3 center = glm::dvec3(at) + 0.5;
     const auto worldOf = [&](const glm::dvec3& voxel) {
       return glm::vec3(whole.to_object * glm::vec4(glm::vec3(voxel), 1));
     };
     const runtime::Instance rest{&baked_.asset()};
     std::vector<Copy>& copies = points_[{at.x, at.y, at.z}];
     for (int part = 0; part < static_cast<int>(solids_.size()); ++part) {
-      const auto outer = runtime::toRest(rest, part, worldOf(centre)),
-                 inner = runtime::toRest(rest, part, worldOf(centre - kBelow * out));
+      const auto outer = runtime::toRest(rest, part, worldOf(center)),
+                 inner = runtime::toRest(rest, part, worldOf(center - kBelow * out));
       if (!outer) continue;
       const glm::vec3 voxel = kelp::test::restToVoxel(rest, part, *outer);
       // Straightened voxels lie elsewhere: within one of them.
@@ -183,7 +183,7 @@ class Seams {
     for (const auto& [at, copies] : points_) {
       for (std::size_t i = 0; i < copies.size(); ++i)
         for (std::size_t j = i + 1; j < copies.size(); ++j) lines_.push_back({copies[i], copies[j]});
-      for (int k = 14; k < 27; ++k) {  // half of the neighbours
+      for (int k = 14; k < 27; ++k) {  // half of the neighbors
         const auto near = points_.find({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1});
         if (near == points_.end()) continue;
         const bool common = std::any_of(copies.begin(), copies.end(), [&](const Copy& its) {

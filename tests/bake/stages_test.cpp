@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Colours, palette, levels and the written file.
+// Colors, palette, levels and the written file.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,7 +46,7 @@ bake::SourceModel texturedPlate() {
   return model;
 }
 
-// Base colours of the voxels with z = 0, [y * 16 + x].
+// Base colors of the voxels with z = 0, [y * 16 + x].
 std::vector<glm::vec4> colorsOf(const bake::SourceModel& model) {
   std::vector<glm::vec4> colors(256);
   const test::Baked baked = voxelizeUnit(model);
@@ -56,7 +56,7 @@ std::vector<glm::vec4> colorsOf(const bake::SourceModel& model) {
   return colors;
 }
 
-TEST(SurfaceColour, TextureStandsUprightWithItsTexels) {
+TEST(SurfaceColor, TextureStandsUprightWithItsTexels) {
   const std::vector<glm::vec4> colors = colorsOf(texturedPlate());
   // Row 0 of the image is at v = 0, the top: y = 15.
   EXPECT_NEAR(colors[2 + 16 * 14].x, 0.0f, 0.01f);
@@ -67,7 +67,7 @@ TEST(SurfaceColour, TextureStandsUprightWithItsTexels) {
   EXPECT_NEAR(colors[6 + 16 * 6].y, 2.0f / 3, 0.01f);
 }
 
-bake::VoxelGrid gridOfColours(int count) {
+bake::VoxelGrid gridOfColors(int count) {
   bake::VoxelGrid grid;
   grid.size = {count, 1, 1};
   grid.solid.assign(static_cast<std::size_t>(count), 1);
@@ -82,7 +82,7 @@ bake::VoxelGrid gridOfColours(int count) {
 }
 
 TEST(Palette, IsExactUpTo256) {
-  const bake::VoxelGrid grid = gridOfColours(256);
+  const bake::VoxelGrid grid = gridOfColors(256);
   const bake::Palette palette = bake::choosePalette({&grid, &grid}, 2);
   EXPECT_EQ(palette.entries.size(), 256u);
   EXPECT_EQ(palette.mean_error, 0.0);
@@ -92,7 +92,7 @@ TEST(Palette, IsExactUpTo256) {
 }
 
 TEST(Palette, ClustersMoreAndKeepsWhatIsRareButApart) {
-  bake::VoxelGrid grid = gridOfColours(8000);
+  bake::VoxelGrid grid = gridOfColors(8000);
   grid.surface[7].material.emissive = {4, 0, 0};  // one glowing voxel among 8000
   const bake::Palette palette = bake::choosePalette({&grid}, 1);
   EXPECT_LE(palette.entries.size(), 256u);

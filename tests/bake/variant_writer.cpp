@@ -27,7 +27,7 @@ std::string list(Values... values) {
   return "[" + text + "]";
 }
 
-// Uncompressed true colour with alpha, first row at the top.
+// Uncompressed true color with alpha, first row at the top.
 std::string tga(const Image& image) {
   std::string bytes("\0\0\2\0\0\0\0\0\0\0\0\0", 12);
   for (int size : {image.width, image.height})

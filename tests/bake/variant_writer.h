@@ -24,13 +24,13 @@ class VariantWriter {
   explicit VariantWriter(const SourceModel& model);
 
   std::string plain() const;  // floats
-  // KHR_mesh_quantization: 14 bits a position, 16 a texture coordinate, 8 a colour
+  // KHR_mesh_quantization: 14 bits a position, 16 a texture coordinate, 8 a color
   std::string quantized() const;
   // EXT_meshopt_compression over either; floats with the exponential filter
   std::string meshopt(bool quantized) const;
   // KHR_draco_mesh_compression: 14 bits a position, 12 a texture coordinate
   std::string draco(bool edgebreaker = true) const;
-  std::string drc(bool metadata) const;  // a .drc file: positions of 14 bits, colours as bytes
+  std::string drc(bool metadata) const;  // a .drc file: positions of 14 bits, colors as bytes
 
  private:
   std::string write(bool quantized, bool meshopt) const;
@@ -43,7 +43,7 @@ class VariantWriter {
   glm::vec2 uv_low_{0}, uv_size_{1};
 };
 
-// A Draco stream, and the unique ids of POSITION, TEXCOORD_0 and COLOR_0 in it. `bytes`: colours as display
+// A Draco stream, and the unique ids of POSITION, TEXCOORD_0 and COLOR_0 in it. `bytes`: colors as display
 // values of eight bits.
 std::string encodeDraco(const VariantMesh& mesh, bool edgebreaker, bool bytes, bool metadata,
                         std::map<std::string, int>& ids);

@@ -59,7 +59,7 @@ TEST(VdbChoice, SeveralGridsAreListed) {
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "a"; })).parts[0].grid);
 }
 
-TEST(VdbChoice, ColourAndHeatDoNotMakeItAmbiguous) {
+TEST(VdbChoice, ColorAndHeatDoNotMakeItAmbiguous) {
   const Scratch scratch;
   const auto path = scratch.folder() / "hot.vdb";
   writeVdb(path, {ball("temperature", "float", ""), ball("density", "float", "fog volume"),
@@ -74,9 +74,9 @@ TEST(VdbChoice, ColourAndHeatDoNotMakeItAmbiguous) {
   EXPECT_TRUE(
       contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "fire"; })), "no such grid"));
   EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.color_grid = "density"; })),
-                       "no colours"));
+                       "no colors"));
   EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.color_grid = "Cd"; })),
-                       "fog has no colour"));
+                       "fog has no color"));
   EXPECT_TRUE(contains(
       refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "temperature", s.isovalue = 1; })),
       "only fog glows"));

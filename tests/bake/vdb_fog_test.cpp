@@ -33,7 +33,7 @@ double massOf(const VdbPeer& peer) {
                                                     peer.world({0, 0, 1}) - o)));
 }
 
-glm::dvec3 centreOf(const FogGrid& fog) {
+glm::dvec3 centerOf(const FogGrid& fog) {
   glm::dvec3 sum(0);
   double all = 0;
   std::size_t i = 0;
@@ -46,7 +46,7 @@ glm::dvec3 centreOf(const FogGrid& fog) {
       }
   return sum / all;
 }
-glm::dvec3 centreOf(const VdbPeer& peer) {
+glm::dvec3 centerOf(const VdbPeer& peer) {
   glm::dvec3 sum(0);
   double all = 0;
   const glm::ivec3 low = peer.low(), high = peer.high();
@@ -131,7 +131,7 @@ TEST(VdbFog, EveryTransformKeepsTheMassInItsPlace) {
                                .parts[0]
                                .fog;
       EXPECT_NEAR(massOf(fog), mass, 0.01 * mass) << voxel;
-      EXPECT_LT(glm::length(centreOf(fog) - centreOf(peer)), 0.05 * edge) << voxel;
+      EXPECT_LT(glm::length(centerOf(fog) - centerOf(peer)), 0.05 * edge) << voxel;
       if (voxel > 0) {
         EXPECT_NEAR(glm::length(glm::dvec3(fog.to_node[1])), voxel * edge, 1e-6 * edge);
       }

@@ -9,7 +9,7 @@
 namespace kelp::bake::test {
 namespace {
 
-const glm::dvec3 kFrustumBallCentre(0.1, -0.05, 2.1);
+const glm::dvec3 kFrustumBallCenter(0.1, -0.05, 2.1);
 constexpr double kFrustumBallRadius = 0.6;
 
 // 64 voxels a side: 1 wide at the near side, 2.5 at the far one, 4 deep.
@@ -26,9 +26,9 @@ VdbSpec frustumBall(const std::string& type, const std::string& grid_class) {
   const bool distance = grid_class == "level set", binary = type == "mask" || type == "bool";
   spec.background = glm::dvec3(distance ? 0.3 : 0);
   spec.world_value = [=](const glm::dvec3& p) -> std::optional<glm::dvec3> {
-    const double d = glm::length(p - kFrustumBallCentre) - kFrustumBallRadius;
+    const double d = glm::length(p - kFrustumBallCenter) - kFrustumBallRadius;
     if (binary) return d <= 0 ? std::optional(glm::dvec3(1)) : std::nullopt;
-    if (type == "vec3s") return glm::clamp((p - kFrustumBallCentre) / 1.4 + 0.5, 0.0, 1.0);
+    if (type == "vec3s") return glm::clamp((p - kFrustumBallCenter) / 1.4 + 0.5, 0.0, 1.0);
     if (type == "int32") return d < 0.3 ? std::optional(glm::dvec3(std::round(d * 1000))) : std::nullopt;
     if (distance) return d < 0.3 ? std::optional(glm::dvec3(d)) : std::nullopt;
     return d < 0 ? std::optional(glm::dvec3(-d)) : std::nullopt;
@@ -69,7 +69,7 @@ TEST(VdbKinds, AFrustumGridIsTheBallThatItShows) {
       std::uint64_t wrong = 0;
       double solid = 0;
       eachVoxel(grid, [&](bool is, const glm::dvec3& p) {
-        const double d = glm::length(p - kFrustumBallCentre) - kFrustumBallRadius;
+        const double d = glm::length(p - kFrustumBallCenter) - kFrustumBallRadius;
         solid += is ? 1 : 0;
         wrong += is != (d <= 0) && std::abs(d) > tolerance ? 1 : 0;
       });
@@ -101,7 +101,7 @@ TEST(VdbKinds, FrustumFogAndItsHeatKeepTheirMass) {
   EXPECT_EQ(fog.heat, fog.density) << "the same field";
 }
 
-TEST(VdbKinds, FrustumColoursAreThoseOfTheirPlace) {
+TEST(VdbKinds, FrustumColorsAreThoseOfTheirPlace) {
   const Scratch scratch;
   const auto path = scratch.folder() / "frustum.vdb";
   VdbSpec color = frustumBall("vec3s", "");
@@ -114,7 +114,7 @@ TEST(VdbKinds, FrustumColoursAreThoseOfTheirPlace) {
     const glm::dvec3 p =
         glm::dmat4x3(grid.to_node) *
         glm::dvec4(glm::dvec3(sample.index % x, sample.index / x % y, sample.index / (x * y)) + 0.5, 1);
-    ASSERT_LT(glm::length(glm::dvec3(sample.material.base_color) - ((p - kFrustumBallCentre) / 1.4 + 0.5)),
+    ASSERT_LT(glm::length(glm::dvec3(sample.material.base_color) - ((p - kFrustumBallCenter) / 1.4 + 0.5)),
               0.01);
   }
 }
@@ -127,7 +127,7 @@ VdbPoints someBalls() {
   return points;
 }
 
-TEST(VdbKinds, PointsAreSpheresOfTheirRadiusAndColour) {
+TEST(VdbKinds, PointsAreSpheresOfTheirRadiusAndColor) {
   const Scratch scratch;
   const auto path = scratch.folder() / "points.vdb";
   // Of voxels that are much smaller than its cubes, the grid has too many to look at each.

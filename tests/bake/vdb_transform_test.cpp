@@ -146,7 +146,7 @@ TEST(VdbTransform, EveryKindOfMapIsRead) {
     const VoxelGrid& grid = *model.parts[0].grid;
     const VdbPeer peer(path, "density");
     EXPECT_LT(glm::length(peer.world({1, 2, 3}) - glm::dvec3(m * glm::dvec4(1, 2, 3, 1))), 1e-12);
-    // The centre of what is solid, in the file's space.
+    // The center of what is solid, in the file's space.
     glm::dvec3 own(0), made(0);
     double own_count = 0, made_count = 0;
     for (int x = -16; x <= 20; ++x)

@@ -21,8 +21,8 @@ class ToIndex {
     to_index_ = glm::inverse(glm::dmat3(peer.world({1, 0, 0}) - origin_, peer.world({0, 1, 0}) - origin_,
                                         peer.world({0, 0, 1}) - origin_));
   }
-  glm::ivec3 operator()(const glm::dvec3& centre) const {
-    return glm::ivec3(glm::round(to_index_ * (to_node_ * glm::dvec4(centre, 1) - origin_)));
+  glm::ivec3 operator()(const glm::dvec3& center) const {
+    return glm::ivec3(glm::round(to_index_ * (to_node_ * glm::dvec4(center, 1) - origin_)));
   }
 
  private:
@@ -241,9 +241,9 @@ TEST(VdbValues, OldFilesWithoutMasksReadTheSame) {
               [](const VdbPeer& peer, const glm::ivec3& at) { return peer.value(at) <= 0; });
 }
 
-TEST(VdbValues, ColoursAreTheGridsOwnAtTheSurface) {
+TEST(VdbValues, ColorsAreTheGridsOwnAtTheSurface) {
   const Scratch scratch;
-  const auto path = scratch.folder() / "colour.vdb";
+  const auto path = scratch.folder() / "color.vdb";
   const auto paint = [](const glm::ivec3& p) { return glm::dvec3(noise(p), noise(p + 7), noise(p + 19)); };
   for (const char* type : {"vec3s", "vec3d"})
     for (const bool half : {false, true}) {
@@ -269,11 +269,11 @@ TEST(VdbValues, ColoursAreTheGridsOwnAtTheSurface) {
     }
 }
 
-TEST(VdbValues, AColourGridOfItsOwnLatticeIsInterpolated) {
-  // Colours that grow linearly are the same however coarse their lattice is; beyond their active voxels there
+TEST(VdbValues, AColorGridOfItsOwnLatticeIsInterpolated) {
+  // Colors that grow linearly are the same however coarse their lattice is; beyond their active voxels there
   // are none.
   const Scratch scratch;
-  const auto path = scratch.folder() / "colour.vdb";
+  const auto path = scratch.folder() / "color.vdb";
   VdbSpec solid = lumps("float", "level set"), color;
   color.name = "paint";
   color.type = "vec3s";
@@ -291,7 +291,7 @@ TEST(VdbValues, AColourGridOfItsOwnLatticeIsInterpolated) {
   Settings settings;
   EXPECT_EQ(importFile(path, settings).parts[0].grid->surface[0].material.base_color,
             glm::vec4(0.6f, 0.6f, 0.6f, 1))
-      << "'paint' is no name for colours";
+      << "'paint' is no name for colors";
   settings.color_grid = "paint";
   SourceModel model = importFile(path, settings);
   const VoxelGrid& grid = *model.parts[0].grid;
@@ -305,7 +305,7 @@ TEST(VdbValues, AColourGridOfItsOwnLatticeIsInterpolated) {
   color.high.x = 1;
   writeVdb(path, {solid, color});
   model = importFile(path, settings);
-  EXPECT_TRUE(anyContains(model.notices, "surface voxels are grey"));
+  EXPECT_TRUE(anyContains(model.notices, "surface voxels are gray"));
 }
 
 TEST(VdbValues, BinaryNormalsAreThoseOfABall) {

@@ -13,10 +13,10 @@
 namespace kelp::bake::test {
 
 struct VoxTruth {
-  std::map<std::array<int, 3>, int> voxels;   // colour index by place: x, y to the back, z up
-  std::array<std::array<int, 3>, 257> rgb{};  // by colour index, display values
+  std::map<std::array<int, 3>, int> voxels;   // color index by place: x, y to the back, z up
+  std::array<std::array<int, 3>, 257> rgb{};  // by color index, display values
   bool has_palette = false;
-  std::array<int, 257> shown_at{};  // the place of a colour index in the palette, from 0
+  std::array<int, 257> shown_at{};  // the place of a color index in the palette, from 0
 };
 // What is seen at a frame (where it begins: the first key of everything). Damaged files are no concern of
 // this reader's.

@@ -23,7 +23,7 @@ TEST(CContents, InfoAndPalette) {
   ASSERT_EQ(2u, info.palette_count);
   for (std::uint32_t i = 0; i < info.palette_count; ++i) {
     const Material& expected = pack.palette()[i];
-    expectSame(info.palette[i].base_color, expected.base_color, "base colour");
+    expectSame(info.palette[i].base_color, expected.base_color, "base color");
     expectSame(info.palette[i].emissive, expected.emissive, "emissive");
     EXPECT_EQ(expected.metallic, info.palette[i].metallic);
     EXPECT_EQ(expected.roughness, info.palette[i].roughness);

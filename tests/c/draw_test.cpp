@@ -276,7 +276,7 @@ TEST_P(CDraw, TraceGlslAndLevels) {
   std::vector<const char*> fragment = {version.c_str()};
   fragment.insert(fragment.end(), strings, strings + count);
   fragment.push_back(
-      "out vec4 colour;\nvoid main() { colour = vec4(kelpBlocked(vec3(0.0), vec3(1.0), 9.0)); }\n");
+      "out vec4 color;\nvoid main() { color = vec4(kelpBlocked(vec3(0.0), vec3(1.0), 9.0)); }\n");
   const std::string vertex = version + "void main() { gl_Position = vec4(0.0); }\n";
   const char* const vertex_text = vertex.c_str();
   const GLuint program = glCreateProgram();

@@ -137,7 +137,7 @@ TEST(CDistance, AnswersAreThoseOfCpp) {
     EXPECT_EQ(moved.hit, cast.hit != 0);
     casts += moved.hit;
     EXPECT_EQ(moved.t, cast.t);
-    expectSame(cast.center, moved.center, "centre");
+    expectSame(cast.center, moved.center, "center");
     expectSame(cast.away, moved.away, "away");
     EXPECT_EQ(moved.instance, cast.instance);
     EXPECT_EQ(moved.part.value_or(KELP_NONE), cast.part);

@@ -230,7 +230,7 @@ class Hostile(unittest.TestCase):
                  "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]})
             code, text = self.bake(self.write("large.gltf", document))
             self.assertEqual(code, 0, text)
-            self.assertIn("the colour factor alone is used", text)
+            self.assertIn("the color factor alone is used", text)
 
 
 if __name__ == "__main__":

@@ -88,7 +88,7 @@ TEST_F(KelpBakeReport, ASoundCubeHasNothingToRepair) {
 
 TEST_F(KelpBakeReport, FaultsAreCounted) {
   std::vector<std::array<int, 3>> faces = kCube;
-  std::swap(faces[2][1], faces[2][2]);  // wound against its neighbours
+  std::swap(faces[2][1], faces[2][2]);  // wound against its neighbors
   faces.push_back(faces[5]);            // twice
   faces.push_back({1, 1, 2});           // no area
   faces.erase(faces.begin() + 1);       // a hole of three edges

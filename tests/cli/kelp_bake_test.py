@@ -90,7 +90,7 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(result.stdout, b"")
         self.assertIn("128 (default; --resolution N to change)", text)
         self.assertIn("64 x 128 x 64", text)
-        self.assertNotIn("\x1b", text, "colour or a bar although stderr is no terminal")
+        self.assertNotIn("\x1b", text, "color or a bar although stderr is no terminal")
         self.assertEqual(
             sorted(os.listdir(self.folder.name)), ["cube.obj", "out.kelp", "out.kelp.d", "report.json"])
         report = json.loads(self.read(self.path("report.json")))

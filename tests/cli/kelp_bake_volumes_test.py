@@ -21,7 +21,7 @@ KINDS = (".vdb", ".nvdb")
 
 
 def ball(radius):
-    """The voxels of a ball of make_volumes: their centres are inside the surface, or the density there is at
+    """The voxels of a ball of make_volumes: their centers are inside the surface, or the density there is at
     least a value."""
     n = int(radius) + 1
     return sum(x * x + y * y + z * z <= radius * radius
@@ -139,7 +139,7 @@ class Volumes(unittest.TestCase):
                 self.refused(1, fog, "--density=" + number, says=["--density"])
             self.refused(1, fog, "--volume", "mist", says=["--volume mist", "solid"])
 
-    def test_colours(self):
+    def test_colors(self):
         for kind in KINDS:
             several = os.path.join(self.made.name, "several" + kind)
             packs = {}
@@ -152,10 +152,10 @@ class Volumes(unittest.TestCase):
             self.assertEqual(packs["Cd"], packs["Cd again"])
             self.assertEqual(packs["Cd"], packs["by index"])
             self.assertNotEqual(packs["Cd"], packs["paint"])
-            self.refused(1, several, "--grid", "surface", "--color-grid", "density", says=["no colours"])
+            self.refused(1, several, "--grid", "surface", "--color-grid", "density", says=["no colors"])
             self.refused(1, several, "--grid", "surface", "--color-grid", "none",
                          says=["--color-grid none", "no such grid"])
-            self.refused(1, several, "--grid", "density", "--color-grid", "Cd", says=["fog has no colour"])
+            self.refused(1, several, "--grid", "density", "--color-grid", "Cd", says=["fog has no color"])
 
     def test_heat(self):
         ramp = self.write("ramp.gpl", "GIMP Palette\nName: fire\n#\n0 0 0 cold\n255 64 0 hot\n")

@@ -143,7 +143,7 @@ class Distance(Case):
         size = shape[::-1]
         expected = true_distances(occupancy, size, band)
         self.assertEqual(list(distance), [float32(d) for d in expected])
-        # The gradient: differences of neighbours within the band, normalised.
+        # The gradient: differences of neighbors within the band, normalized.
         other, kind, gradient = read_npy(folder / (part + ".gradient.npy"))
         self.assertEqual((other, kind), (shape + (3,), "<f4"))
         strides = (1, size[0], size[0] * size[1])

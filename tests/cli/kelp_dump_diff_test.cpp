@@ -17,14 +17,14 @@ using nlohmann::json;
 using test::KnownPart;
 using test::ProcessResult;
 
-constexpr int kColours = 5;
+constexpr int kColors = 5;
 
 RawPack ballPack() {
   RawPack pack;
   pack.info_json = R"({"tool": "kelp-bake 0.1.0", "options": {"resolution": 64, "pad": 1}})";
-  pack.palette = test::paletteOf(kColours);
-  pack.parts = {test::rawPart(test::ball(test::scaled(0.01f), kColours), "ball"),
-                test::rawPart(test::ball(test::scaled(0.02f, {1, 2, 3}), kColours, {45, 56, 40}), "twin")};
+  pack.palette = test::paletteOf(kColors);
+  pack.parts = {test::rawPart(test::ball(test::scaled(0.01f), kColors), "ball"),
+                test::rawPart(test::ball(test::scaled(0.02f, {1, 2, 3}), kColors, {45, 56, 40}), "twin")};
   pack.parts[1].parent = 0;
   RawTrack turn;
   turn.part = 1;
@@ -132,11 +132,11 @@ TEST_F(Diff, OrderIsNoDifference) {
 }
 
 TEST_F(Diff, VoxelsAreCounted) {
-  // One ball has a hole, a dent in its colours and a turned normal that the other has not.
-  KnownPart known = test::ball(test::scaled(0.01f), kColours);
+  // One ball has a hole, a dent in its colors and a turned normal that the other has not.
+  KnownPart known = test::ball(test::scaled(0.01f), kColors);
   RawPack a = ballPack(), b = ballPack();
   a.parts[0].levels.resize(1);
-  std::uint64_t gone = 0, coloured = 0, turned = 0;
+  std::uint64_t gone = 0, colored = 0, turned = 0;
   known.eachVoxel(0, [&](const glm::ivec3& v) {
     const std::size_t i = known.occupancy.index(v);
     std::int64_t& attribute = known.attribute[i];
@@ -147,9 +147,9 @@ TEST_F(Diff, VoxelsAreCounted) {
       ++gone;
     } else if (v.y == 20) {
       attribute = makeAttribute(
-          static_cast<std::uint8_t>((attributePalette(static_cast<std::uint32_t>(attribute)) + 1) % kColours),
+          static_cast<std::uint8_t>((attributePalette(static_cast<std::uint32_t>(attribute)) + 1) % kColors),
           attributeNormal(static_cast<std::uint32_t>(attribute)));
-      ++coloured;
+      ++colored;
     } else if (v.y == 10) {
       const glm::vec3 n = decodeNormal(attributeNormal(static_cast<std::uint32_t>(attribute)));
       attribute = makeAttribute(attributePalette(static_cast<std::uint32_t>(attribute)),
@@ -158,7 +158,7 @@ TEST_F(Diff, VoxelsAreCounted) {
     }
   });
   ASSERT_GT(gone, 5u);
-  ASSERT_GT(coloured, 50u);
+  ASSERT_GT(colored, 50u);
   ASSERT_GT(turned, 50u);
   const RawPart changed = test::rawPart(known, "ball");
   b.parts[0].levels = {changed.levels[0]};
@@ -171,7 +171,7 @@ TEST_F(Diff, VoxelsAreCounted) {
   EXPECT_EQ(found[0]["name"], "ball");
   EXPECT_EQ(found[0]["level"], 0);
   EXPECT_EQ(found[1]["kind"], "colour");
-  EXPECT_EQ(found[1]["count"], coloured);
+  EXPECT_EQ(found[1]["count"], colored);
   EXPECT_EQ(found[1]["first"][1], 20);
   EXPECT_EQ(found[2]["kind"], "normal");
   EXPECT_GT(found[2]["count"], turned / 2);  // at the poles a quarter turn is none
@@ -180,11 +180,11 @@ TEST_F(Diff, VoxelsAreCounted) {
   // The other way round.
   const json back = diff(b, a);
   EXPECT_EQ(back[0]["only_b"], gone);
-  EXPECT_EQ(back[1]["count"], coloured);
+  EXPECT_EQ(back[1]["count"], colored);
 }
 
 TEST_F(Diff, AttributesThatOneLacks) {
-  KnownPart known = test::ball(test::scaled(0.01f), kColours);
+  KnownPart known = test::ball(test::scaled(0.01f), kColors);
   RawPack b = ballPack();
   const auto attributeAt = [&](const glm::ivec3& v) -> std::int64_t& {
     return known.attribute[known.occupancy.index(v)];
@@ -272,7 +272,7 @@ TEST_F(Diff, WhatPartsAndClipsSay) {
   b.parts[0].levels.pop_back();
   EXPECT_EQ(only(b, "levels")["b"], "1");
   b = ballPack();
-  b.parts[0] = test::rawPart(test::ball(test::scaled(0.01f), kColours, {45, 62, 40}), "ball");
+  b.parts[0] = test::rawPart(test::ball(test::scaled(0.01f), kColors, {45, 62, 40}), "ball");
   found = diff(ballPack(), b);
   EXPECT_EQ(found[0]["kind"], "size");
   // voxels of other sizes are not compared

@@ -122,9 +122,9 @@ TEST_F(KelpDumpFog, InfoCountsWhatIsThere) {
   EXPECT_EQ(stored, std::filesystem::file_size(path()));
 
   const ProcessResult text = dump({"info", "--count"});
-  for (const char* words : {"format 1.0", "part (fog): 61 x 70 x 47 voxels",
-                            "fog of #f3e7da, anisotropy 0.25; glow 0.5 in 3 colours from 0 0 0 to 1 0.8 0.3",
-                            "not clear", "FOGB"})
+  for (const char* words :
+       {"format 1.0", "part (fog): 61 x 70 x 47 voxels",
+        "fog of #f3e7da, anisotropy 0.25; glow 0.5 in 3 colors from 0 0 0 to 1 0.8 0.3", "not clear", "FOGB"})
     EXPECT_NE(text.out.find(words), std::string::npos) << "'" << words << "' is not in:\n" << text.out;
 
   write(test::fogPack(test::fogOf(kSize, test::puffs), 0.5f));
@@ -231,7 +231,7 @@ TEST_F(KelpDumpFog, DeepFindsBricksThatDisagree) {
     EXPECT_GE(issue["count"], 1);
     for (int axis = 0; axis < 3; ++axis)
       EXPECT_EQ(issue["voxel"][static_cast<std::size_t>(axis)].get<int>() % 8, 0);
-    EXPECT_EQ(issue["detail"], "a neighbour holds another value");
+    EXPECT_EQ(issue["detail"], "a neighbor holds another value");
   }
 }
 
@@ -254,7 +254,7 @@ TEST_F(KelpDumpFog, DeepFindsABrickThatIsMissing) {
     channel->erase(first, first + kFogSamples);
   }
   const json issue = onlyDeepFinds(pack, {508});
-  EXPECT_EQ(issue["detail"], "the brick is empty, and a neighbour holds fog at its edge");
+  EXPECT_EQ(issue["detail"], "the brick is empty, and a neighbor holds fog at its edge");
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST_F(Input, EachSmallFault) {
       {"an endless matrix", [&](auto& s) { set(s.content("PART"), 32, 1.0f / 0.0f); }},
       {"too many levels", [&](auto& s) { s.content("PART")[8 + 9] = std::byte{17}; }},
       {"a name that is not UTF-8", [](auto& s) { s.content("PART").back() = std::byte{0xff}; }},
-      {"a colour above 1", [&](auto& s) { set(s.content("MATL"), 4, 2.0f); }},
+      {"a color above 1", [&](auto& s) { set(s.content("MATL"), 4, 2.0f); }},
       {"65 knots", [&](auto& s) { set(s.content("RIGS"), 8, std::uint32_t{65}); }},
       {"knots that turn back", [&](auto& s) { set(s.content("RIGS"), 8 + 2 * 24 + 28 + 8, -90.0f); }},
       {"a swept part that folds",

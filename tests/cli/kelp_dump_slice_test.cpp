@@ -50,12 +50,12 @@ class Slice : public testing::Test {
     return readPng(other.out);
   }
 
-  static constexpr int kColours = 6;
+  static constexpr int kColors = 6;
   const glm::ivec3 size_{45, 62, 38};
-  const KnownPart part_ = test::ball(test::scaled(1), kColours);
+  const KnownPart part_ = test::ball(test::scaled(1), kColors);
   test::Scratch folder_;
   std::string pack_ =
-      test::writePackFile(folder_, "ball.kelp", {test::rawPart(part_, "ball")}, test::paletteOf(kColours));
+      test::writePackFile(folder_, "ball.kelp", {test::rawPart(part_, "ball")}, test::paletteOf(kColors));
 };
 
 // Which voxel a pixel shows, as the README says.
@@ -113,20 +113,20 @@ TEST_F(Slice, EveryVoxelOfALayer) {
       const glm::dvec3 d = glm::max(glm::abs(glm::dvec3(s - v)) - 1.0, 0.0);
       best = std::min(best, glm::length(d));
     });
-    const int grey = std::min(static_cast<int>(4 * best + 1e-9), 255);
-    return Pixel{grey, grey, grey, 255};
+    const int gray = std::min(static_cast<int>(4 * best + 1e-9), 255);
+    return Pixel{gray, gray, gray, 255};
   };
   check('y', 3, "clearance", clearance);
-  const std::vector<Material> palette = test::paletteOf(kColours);
-  const Picture colours = slice({"--what", "colour", "--axis", "x", "--at", "17"});
-  for (int y = 0; y < colours.height; ++y)
-    for (int x = 0; x < colours.width; ++x) {
+  const std::vector<Material> palette = test::paletteOf(kColors);
+  const Picture colors = slice({"--what", "colour", "--axis", "x", "--at", "17"});
+  for (int y = 0; y < colors.height; ++y)
+    for (int x = 0; x < colors.width; ++x) {
       const glm::ivec3 v = voxelAt('x', 17, size_, x, y);
-      ASSERT_EQ(colours.at(x, y)[3] > 0, part_.solid(v));
+      ASSERT_EQ(colors.at(x, y)[3] > 0, part_.solid(v));
       if (attribute(v) < 0) continue;
       const glm::vec4& color = palette[attributePalette(static_cast<std::uint32_t>(attribute(v)))].base_color;
       for (int i = 0; i < 3; ++i)
-        ASSERT_EQ(colours.at(x, y)[static_cast<std::size_t>(i)], test::srgbOf(color[i]));
+        ASSERT_EQ(colors.at(x, y)[static_cast<std::size_t>(i)], test::srgbOf(color[i]));
     }
 }
 

@@ -180,7 +180,7 @@ TEST_F(KelpDump, InfoCountsWhatIsThere) {
   }
 }
 
-TEST_F(KelpDump, InfoTextFitsAScreenAndHasNoColourOffATerminal) {
+TEST_F(KelpDump, InfoTextFitsAScreenAndHasNoColorOffATerminal) {
   writePack(packOf(levelsOf(blob(), 3)));
   const ProcessResult result = dump({"info", path()});
   EXPECT_EQ(result.exit, 0) << result.err;

@@ -54,7 +54,7 @@ class RoundTrip : public testing::Test {
     return !HasFailure();
   }
 
-  // Everything but names and normals: parts, palette entries that voxels have, occupancy and colours of all
+  // Everything but names and normals: parts, palette entries that voxels have, occupancy and colors of all
   // levels.
   void expectSameLook(bool exact) {
     const Pack a = openPack(first_), b = openPack(second_);

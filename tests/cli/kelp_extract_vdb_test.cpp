@@ -32,7 +32,7 @@ typename Grid::Ptr find(const openvdb::GridPtrVecPtr& grids, const std::string& 
   return nullptr;
 }
 
-// A voxel's middle in the file is where it is in the object, metres.
+// A voxel's middle in the file is where it is in the object, meters.
 void expectPlaces(const openvdb::GridBase& grid, const glm::mat4x3& to_object, const glm::ivec3& size) {
   for (const glm::ivec3& voxel : {glm::ivec3(0), size - 1, glm::ivec3(3, 1, 2)}) {
     const glm::dvec3 expected = glm::dmat4x3(to_object) * glm::dvec4(glm::dvec3(voxel) + 0.5, 1);
@@ -52,7 +52,7 @@ class ExtractVdb : public testing::Test {
   test::Scratch folder_;
 };
 
-// Solid where the value is at most 0, voxel for voxel, also around the part; colours and attributes at the
+// Solid where the value is at most 0, voxel for voxel, also around the part; colors and attributes at the
 // surface and nowhere else.
 void expectSolid(const openvdb::GridPtrVecPtr& grids, const std::string& name, const std::string& prefix,
                  const KnownPart& part, const std::vector<Material>& palette) {
@@ -112,7 +112,7 @@ void expectSolid(const openvdb::GridPtrVecPtr& grids, const std::string& name, c
   EXPECT_EQ(stored, solid);
 }
 
-TEST_F(ExtractVdb, LevelSetsAreTheVoxelsAndTheirColours) {
+TEST_F(ExtractVdb, LevelSetsAreTheVoxelsAndTheirColors) {
   const std::vector<Material> palette = test::paletteOf(9);
   const glm::mat4x3 odd(glm::vec3(0, 0, 0.02f), glm::vec3(-0.02f, 0, 0), glm::vec3(0, 0.03f, 0),
                         glm::vec3(0.4f, -0.1f, 2));
@@ -180,7 +180,7 @@ TEST_F(ExtractVdb, LevelSetsAreDistancesWithThePacksNormals) {
          sum / count, worst);
 }
 
-TEST_F(ExtractVdb, FogIsItsDensityPerMetre) {
+TEST_F(ExtractVdb, FogIsItsDensityPerMeter) {
   const glm::ivec3 size(17, 33, 20);
   const fields::FogSamples fog =
       test::fogOf(size, test::puffs, [](const glm::dvec3& p) { return p.y * test::puffs(p); });

@@ -31,7 +31,7 @@ struct Vox {
   std::vector<Model> models;
   std::map<int, Node> nodes;
   std::array<std::array<std::uint8_t, 4>, 256> rgba{};
-  std::array<int, 257> place_of{};  // in the palette, of each colour index
+  std::array<int, 257> place_of{};  // in the palette, of each color index
   std::map<int, std::map<std::string, std::string>> materials;
 
   std::map<Place, int> voxels() const {
@@ -194,7 +194,7 @@ class ExtractVox : public testing::Test {
   test::Scratch folder_;
 };
 
-TEST_F(ExtractVox, VoxelsStandWhereTheyStoodInTheirColours) {
+TEST_F(ExtractVox, VoxelsStandWhereTheyStoodInTheirColors) {
   const KnownPart part = test::ball(test::scaled(1, {-7, 3, 12}), 200);
   const std::vector<Material> palette = test::paletteOf(200);
   const Vox vox = extract(test::writePackFile(folder_, "ball.kelp", {test::rawPart(part, "ball")}, palette));
@@ -257,7 +257,7 @@ TEST_F(ExtractVox, LargePartsAreSeveralModels) {
   for (const Vox::Model& model : vox.models) EXPECT_FALSE(model.voxels.empty());
 }
 
-TEST_F(ExtractVox, The256thColourKeepsItsPlace) {
+TEST_F(ExtractVox, The256thColorKeepsItsPlace) {
   // 255 of 256 entries: one gives up its index, none its place.
   const auto solid = [](const glm::ivec3&) { return true; };
   const auto normal = [](const glm::ivec3&) { return glm::vec3(0, 1, 0); };
@@ -275,7 +275,7 @@ TEST_F(ExtractVox, The256thColourKeepsItsPlace) {
   const KnownPart full = test::knownPart({16, 16, 1}, test::scaled(1), solid, normal,
                                          [](const glm::ivec3& v) { return v.x + 16 * v.y; });
   const Vox all = extract(test::writePackFile(folder_, "full.kelp", {test::rawPart(full, "full")}, palette),
-                          {}, "colours 7 and 255 became one");
+                          {}, "colors 7 and 255 became one");
   std::map<Place, int> voxels = all.voxels();
   ASSERT_EQ(voxels.size(), 256u);
   full.eachVoxel(0, [&](const glm::ivec3& v) {

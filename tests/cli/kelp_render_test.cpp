@@ -12,7 +12,7 @@ namespace {
 
 using namespace test;
 
-TEST_F(KelpRender, ShowsTheModelUprightAndInItsColours) {
+TEST_F(KelpRender, ShowsTheModelUprightAndInItsColors) {
   const Picture p = picture();
   ASSERT_EQ(p.width, 120);
   ASSERT_EQ(p.height, 120);
@@ -192,7 +192,7 @@ TEST_F(KelpRender, SeveralPacksStandWhereTheyWereToldTo) {
     more.insert(more.begin(), wide.begin(), wide.end());
     return picture(more);
   };
-  // One half a metre to the left, one half a metre to the right of the middle, a gap of half a metre between
+  // One half a meter to the left, one half a meter to the right of the middle, a gap of half a meter between
   // them.
   const Picture two = with({"--at", "-0.5,0,0", "--and", pack_, "--at=0.5,0,0"});
   EXPECT_FALSE(two.covered(120, 60));

@@ -76,7 +76,7 @@ inline double expectClosedManifold(const Mesh& mesh) {
   return volume;
 }
 
-// The squared distance from a point to a triangle, by the regions of its corners, edges and inside: minimised
+// The squared distance from a point to a triangle, by the regions of its corners, edges and inside: minimized
 // over the plane's coordinates and over each edge.
 inline double squaredTo(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const auto edge = [&](const glm::dvec3& from, const glm::dvec3& to) {
@@ -107,7 +107,7 @@ void sample(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, doubl
     for (int j = 0; i + j <= n; ++j) f(a + (b - a) * (double(i) / n) + (c - a) * (double(j) / n));
 }
 
-// Faces of voxels as pairs of triangles, by looking at every voxel and its six neighbours.
+// Faces of voxels as pairs of triangles, by looking at every voxel and its six neighbors.
 inline std::vector<std::array<glm::dvec3, 3>> voxelTriangles(const KnownPart& part) {
   std::vector<std::array<glm::dvec3, 3>> triangles;
   part.eachVoxel(0, [&](const glm::ivec3& v) {

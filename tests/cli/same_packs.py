@@ -45,7 +45,7 @@ REAL = [
     ("mesh/common3d/teapot.obj", ["--fill", "surface"], 48, 128),
     ("mesh/assimp/OBJ/spider.obj", [], 32, 128),  # materials of a library, pictures
     ("mesh/stanford/dragon_vrip_res3.ply", [], 48, 160),
-    ("mesh/draco_testdata/test_pos_color.ply", [], 32, 96),  # colours at corners
+    ("mesh/draco_testdata/test_pos_color.ply", [], 32, 96),  # colors at corners
     ("vdb/gaffer_sphere.vdb", [], 32, 96),  # a level set
     ("vox/vengi/8ontop.vox", [], "own", "own"),  # voxels that are kept, in 72 turned objects
     ("vox/vox-reader/deer.vox", ["--axis", "-x", "--rig", "swim"], "own", "own"),
@@ -88,8 +88,8 @@ def write_made(folder):
         for i, face in enumerate(faces):
             file.write("usemtl m%d\nf %d %d %d\n" % (i // 7 % 5, *(c + 1 for c in face)))
 
-    # More colours than a palette has, and leaves that touch no body.
-    with open(path("colours.ply"), "wb") as file:
+    # More colors than a palette has, and leaves that touch no body.
+    with open(path("colors.ply"), "wb") as file:
         corners, faces = lump(40, wavy)
         file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\n"
                    b"property float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
@@ -143,7 +143,7 @@ def write_made(folder):
     with open(path("nodes.gltf"), "w") as file:
         json.dump(gltf, file)
     return [(path("holes.obj"), ["--rig", "sway"], 64, 160),
-            (path("colours.ply"), [], 64, 160),
+            (path("colors.ply"), [], 64, 160),
             (path("ring.stl"), ["--axis", "-x", "--rig", "swim"], 64, 160),
             (path("nodes.gltf"), ["--parts", "nodes"], 48, 96)]
 

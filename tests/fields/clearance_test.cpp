@@ -11,7 +11,7 @@
 namespace kelp::test {
 namespace {
 
-// Calls visit(neighbour, inside the volume) for the 26 neighbours of a voxel, itself too.
+// Calls visit(neighbor, inside the volume) for the 26 neighbors of a voxel, itself too.
 template <class Visit>
 void aroundOf(const glm::ivec3& voxel, const glm::ivec3& size, Visit visit) {
   for (int dz = -1; dz <= 1; ++dz) {
@@ -34,7 +34,7 @@ TEST(SquaredClearance, IsTheDistanceBetweenClosedCubes) {
   }
 }
 
-TEST(Dilate26, SetsWhatHasASolidNeighbour) {
+TEST(Dilate26, SetsWhatHasASolidNeighbor) {
   for (const NamedVolume& volume : hardVolumes()) {
     const auto expected = volumeWhere(volume.occupancy.size, [&](const glm::ivec3& v) {
       bool any = false;
@@ -50,7 +50,7 @@ TEST(Dilate26, SetsWhatHasASolidNeighbour) {
   }
 }
 
-TEST(SurfaceVoxels, AreSolidWithAnEmptyOrOutsideNeighbour) {
+TEST(SurfaceVoxels, AreSolidWithAnEmptyOrOutsideNeighbor) {
   std::vector<NamedVolume> volumes = hardVolumes(), wide = wideVolumes();
   volumes.insert(volumes.end(), wide.begin(), wide.end());
   for (const NamedVolume& volume : volumes) {
@@ -72,7 +72,7 @@ TEST(SurfaceVoxels, AreSolidWithAnEmptyOrOutsideNeighbour) {
   }
 }
 
-TEST(Neighbours, AreTheSameForAnyNumberOfThreads) {
+TEST(Neighbors, AreTheSameForAnyNumberOfThreads) {
   const auto volume = randomVolume({45, 31, 67}, 0.9, 3);
   for (const int threads : {0, 2, 3, 4}) {
     EXPECT_EQ(fields::dilate26(volume, threads), fields::dilate26(volume, 1));
@@ -81,7 +81,7 @@ TEST(Neighbours, AreTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(Neighbours, RefuseSizesThatDoNotFit) {
+TEST(Neighbors, RefuseSizesThatDoNotFit) {
   auto volume = emptyVolume({4, 5, 6});
   volume.size.x = 5;
   EXPECT_THROW(fields::dilate26(volume, 1), std::invalid_argument);

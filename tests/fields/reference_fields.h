@@ -10,7 +10,7 @@
 
 namespace kelp::test {
 
-// Squared distance between voxel centres, by trying every pair.
+// Squared distance between voxel centers, by trying every pair.
 std::vector<std::uint32_t> bruteSquaredDistance(const std::vector<std::uint8_t>& set, const glm::ivec3& size);
 
 // Squared distance between the closed boxes [low, low + extent] and [solid, solid + 1], from their corners.

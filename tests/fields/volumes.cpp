@@ -36,7 +36,7 @@ std::vector<NamedVolume> hardVolumes() {
     }
     add("two far corners",
         volumeWhere(size, [&](const glm::ivec3& v) { return v == glm::ivec3(0) || v == size - 1; }));
-    add("one centre", volumeWhere(size, [&](const glm::ivec3& v) { return v == size / 2; }));
+    add("one center", volumeWhere(size, [&](const glm::ivec3& v) { return v == size / 2; }));
     add("checkerboard", volumeWhere(size, [](const glm::ivec3& v) { return ((v.x + v.y + v.z) & 1) != 0; }));
     add("lattice of 3",
         volumeWhere(size, [](const glm::ivec3& v) { return v.x % 3 == 0 && v.y % 3 == 0 && v.z % 3 == 0; }));

@@ -183,7 +183,7 @@ class Sweep:
         if arc.curvature * arc.length < 1e-12:
             return math.dist(mul(arc.direction, dot(off, arc.direction)), off)
         radius = 1 / arc.curvature
-        off = sub(off, mul(arc.inward, radius))  # from the centre of curvature
+        off = sub(off, mul(arc.inward, radius))  # from the center of curvature
         across = dot(off, cross(arc.direction, arc.inward))
         within = math.sqrt(max(dot(off, off) - across**2, 0))
         return math.hypot(within - radius, across)

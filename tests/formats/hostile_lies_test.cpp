@@ -132,16 +132,16 @@ const Lie kPartLies[] = {
 
 const Lie kPaletteAndRigLies[] = {
     {"palette too short", kCorrupt, [](PackSurgeon& s) { s.content("MATL").resize(3); }},
-    {"no colours", kCorrupt, [](PackSurgeon& s) { s.content("MATL").assign(4, std::byte{0}); }},
-    {"257 colours", kCorrupt,
+    {"no colors", kCorrupt, [](PackSurgeon& s) { s.content("MATL").assign(4, std::byte{0}); }},
+    {"257 colors", kCorrupt,
      [](PackSurgeon& s) {
        s.content("MATL").assign(4 + 257 * 36, std::byte{0});
        set(s.content("MATL"), 0, 257u);
      }},
-    {"2^32 - 1 colours", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 0, 0xffffffffu); }},
+    {"2^32 - 1 colors", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 0, 0xffffffffu); }},
     {"palette one byte more", kCorrupt, [](PackSurgeon& s) { s.content("MATL").push_back(std::byte{0}); }},
-    {"colour above 1", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 4, 1.5f); }},
-    {"colour not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 16, test::kNan); }},
+    {"color above 1", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 4, 1.5f); }},
+    {"color not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 16, test::kNan); }},
     {"negative light", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 20, -1.0f); }},
     {"endless light", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 28, test::kInfinity); }},
     {"metallic 2", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 32, 2.0f); }},

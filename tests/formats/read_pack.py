@@ -210,13 +210,13 @@ class Pack:
             part["ramp"], reserved = table.take("II")
             need(all(0 <= v <= 1 for v in (red, green, blue)) and -1 < anisotropy < 1 and glow >= 0
                     and reserved == 0, "a fog is out of range")
-            need(part["ramp"] == 0 or 2 <= part["ramp"] <= 256, "colours of a ramp")
+            need(part["ramp"] == 0 or 2 <= part["ramp"] <= 256, "colors of a ramp")
         for part in fogs:
             part["extinction"] = table.take("%df" % part["levels"])
             need(min(part["extinction"]) > 0, "extinction")
         for part in fogs:
             part["ramp"] = [table.take("3f") for _ in range(part["ramp"])]
-            need(all(min(colour) >= 0 for colour in part["ramp"]), "colour of a ramp")
+            need(all(min(color) >= 0 for color in part["ramp"]), "color of a ramp")
         table.end()
 
     def read_rigs(self, table):
@@ -538,7 +538,7 @@ def dump(pack):
         out.append("automatic %x parent at %s" % (part["automatic"], bits([part["parent_at"]])))
         out.append("bend %d roll %s" % (part["bend"], bits([part["roll"]])))
         if part["kind"] == 1:
-            out += ["fog " + bits(part["fog"])] + ["colour " + bits(colour) for colour in part["ramp"]]
+            out += ["fog " + bits(part["fog"])] + ["color " + bits(color) for color in part["ramp"]]
             for level, extinction in zip(part["level"], part["extinction"]):
                 crc = [zlib.crc32(struct.pack("<%dI" % len(level["cells"]), *level["cells"])),
                         zlib.crc32(level["density"]), zlib.crc32(level["heat"])]

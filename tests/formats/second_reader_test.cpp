@@ -115,7 +115,7 @@ std::string dump(const RawPack& pack) {
     if (part.fog) {
       out += "fog " + bits(part.fog->color) + " " + bits(part.fog->anisotropy) + " " + bits(part.fog->glow) +
              "\n";
-      for (const glm::vec3& color : part.fog->ramp) out += "colour " + bits(color) + "\n";
+      for (const glm::vec3& color : part.fog->ramp) out += "color " + bits(color) + "\n";
       for (const RawLevel& level : part.levels) {
         out += format("fog level bricks %zu extinction %s crc %08x %08x %08x\n", level.density.size() / 729,
                       bits(level.extinction).c_str(), crc32(level.cells), crc32(level.density),

@@ -38,7 +38,7 @@ const Mistake kMistakes[] = {
     {"no parts", [](RawPack& p) { p.parts.clear(); }},
     {"no palette", [](RawPack& p) { p.palette.clear(); }},
     {"257 materials", [](RawPack& p) { p.palette.resize(257); }},
-    {"colour above 1", [](RawPack& p) { p.palette[0].base_color.x = 1.5f; }},
+    {"color above 1", [](RawPack& p) { p.palette[0].base_color.x = 1.5f; }},
     {"info not UTF-8", [](RawPack& p) { p.info_json = "\xff"; }},
     {"name with newline", [](RawPack& p) { p.parts[0].name = "a\nb"; }},
     {"name of 256 bytes", [](RawPack& p) { p.parts[0].name = std::string(256, 'x'); }},

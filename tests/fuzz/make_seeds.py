@@ -26,14 +26,14 @@ def png_chunk(kind, content):
     return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", checksum)
 
 
-def png(width, height, colour=6, interlace=0):
+def png(width, height, color=6, interlace=0):
     """A ramp, 8 bits a channel."""
-    channels = {0: 1, 2: 3, 4: 2, 6: 4}[colour]
+    channels = {0: 1, 2: 3, 4: 2, 6: 4}[color]
     rows = b"".join(
         b"\0" + bytes((40 * x + 20 * y + 60 * c) % 256 for x in range(width) for c in range(channels))
         for y in range(height))
     return (b"\x89PNG\r\n\x1a\n"
-            + png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, colour, 0, 0, interlace))
+            + png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, color, 0, 0, interlace))
             + png_chunk(b"IDAT", zlib.compress(rows))
             + png_chunk(b"IEND", b""))
 
@@ -49,7 +49,7 @@ def png_palette():
 
 
 def jpeg(progressive=False):
-    """8 x 8 texels of one colour, three components. One Huffman table serves them all: its only code, 0,
+    """8 x 8 texels of one color, three components. One Huffman table serves them all: its only code, 0,
     stands for the value 0."""
     def segment(marker, content):
         return bytes([0xff, marker]) + struct.pack(">H", len(content) + 2) + content
@@ -313,8 +313,8 @@ def mesh_seeds(made):
     yield "part_text.stl", b"2" + ("solid part\n" + facets + "endsolid part\n").encode()
     yield "cube.off", b"3" + ("OFF\n8 6 12\n" + "".join("%d %d %d\n" % c for c in CORNERS)
                               + "".join("4 %d %d %d %d 255 128 0\n" % quad for quad in QUADS)).encode()
-    yield "coloured.off", (
-        b"3COFF 4 2 0 # colours\n"
+    yield "colored.off", (
+        b"3COFF 4 2 0 # colors\n"
         b"0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n0 1 0 0 0 255 255\n1 1 0.5 9 9 9 255\n"
         b"3 0 1 2 0.5 0.5 0.5\n3 1 3 2\n")
     for path in sorted((made / "mesh").glob("*.drc")):

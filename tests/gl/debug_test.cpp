@@ -147,7 +147,7 @@ TEST_P(DebugTest, ObjectsHaveLabels) {
     GLchar label[64] = "";
     glGetObjectLabel(kind, name, sizeof label, nullptr, label);
     EXPECT_TRUE(std::string(label).starts_with("kelp"))
-        << "object " << name << " of kind " << kind << " is labelled \"" << label << '"';
+        << "object " << name << " of kind " << kind << " is labeled \"" << label << '"';
     textures += kind == GL_TEXTURE;
     programs += kind == GL_PROGRAM;
   }

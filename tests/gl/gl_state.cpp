@@ -457,7 +457,7 @@ class Reader {
       put(name + " of the " + whose, {double(type), double(object)});
     };
     for (GLint i = 0; i < limits_.color_attachments; ++i)
-      attachment(at("colour attachment", i), GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
+      attachment(at("color attachment", i), GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
     attachment("depth attachment", GL_DEPTH_ATTACHMENT);
     attachment("stencil attachment", GL_STENCIL_ATTACHMENT);
   }

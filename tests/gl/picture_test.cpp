@@ -271,7 +271,7 @@ TEST_P(PictureTest, SurfacesAreTheCpus) {
       ++compared;
       expectNear(normal_pixels[i], 0.5f + 0.5f * hit->normal, "normal");
       expectNear(rest_pixels[i], restToVoxel(instance, 0, hit->rest) / glm::vec3(volume_.size), "rest");
-      expectNear(color_pixels[i], glm::vec3(0.8f, 0.4f, 0.1f) * glm::vec3(instance.tint), "colour");
+      expectNear(color_pixels[i], glm::vec3(0.8f, 0.4f, 0.1f) * glm::vec3(instance.tint), "color");
     }
   }
   EXPECT_GT(compared, 500);

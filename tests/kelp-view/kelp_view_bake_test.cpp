@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Edit, save, bake: the pack bends as the editor showed it, however the model lies in its file. What is
-// compared is where rest points end up in the object, in metres, since a pack baked from the saved rig may
+// compared is where rest points end up in the object, in meters, since a pack baked from the saved rig may
 // have other axes than the one that was edited.
 #include <gtest/gtest.h>
 
@@ -79,7 +79,7 @@ class Round : public ::testing::Test {
     return pack;
   }
 
-  // Where the spline's middle line runs in the object at a second of the first clip; metres, from the first
+  // Where the spline's middle line runs in the object at a second of the first clip; meters, from the first
   // knot to the last.
   static std::vector<glm::vec3> lineOf(const runtime::Asset& asset, const PackRig& rig, double seconds) {
     const Part& part = asset.pack().parts()[0];
@@ -110,9 +110,9 @@ class Round : public ::testing::Test {
     Result<std::unique_ptr<runtime::Asset>> asset;
   };
 
-  // rig: --rig of the first bake; empty: the file has one itself. metres: how long the model is.
+  // rig: --rig of the first bake; empty: the file has one itself. meters: how long the model is.
   void check(const std::string& source, const std::string& rig_text, std::vector<std::string> options,
-             float metres) {
+             float meters) {
     const auto withRig = [&](const std::string& file) {
       std::vector<std::string> all = options;
       all.insert(all.end(), {"--rig", file});
@@ -141,7 +141,7 @@ class Round : public ::testing::Test {
       const std::vector<glm::vec3> baked = lineOf(**after.asset, rigOf((*after.asset)->pack()), seconds);
       ASSERT_EQ(shown.size(), baked.size());
       for (std::size_t i = 0; i < shown.size(); ++i)
-        EXPECT_LT(glm::distance(shown[i], baked[i]), 2e-4f * metres) << seconds << " s, point " << i;
+        EXPECT_LT(glm::distance(shown[i], baked[i]), 2e-4f * meters) << seconds << " s, point " << i;
     }
   }
 
@@ -161,7 +161,7 @@ TEST_F(Round, AFishThatLies) {
   check(scratch_.write("fish.obj", box({1, 0.3f, 0.1f})).string(), rig, {}, 2);
 }
 
-TEST_F(Round, AFileInCentimetresWhoseUpIsZ) {
+TEST_F(Round, AFileInCentimetersWhoseUpIsZ) {
   std::string rig = rig_;
   rig.replace(rig.find("[0.1, 0.02, 0]"), 14, "[0.1, 0, 0.02]");
   rig.replace(rig.find("[0, 0.01, 0.2]"), 14, "[0, 0.2, 0.01]");

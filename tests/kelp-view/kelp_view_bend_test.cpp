@@ -196,7 +196,7 @@ class SweptViewer : public ::testing::Test {
   OrbitCamera camera_;
 };
 
-// The pack stands 0.02 metres for each voxel.
+// The pack stands 0.02 meters for each voxel.
 constexpr float kHeight = 0.02f * 64;
 
 TEST_F(SweptViewer, HandlesSplineAndSocketsAreWhereThePartIs) {
@@ -209,7 +209,7 @@ TEST_F(SweptViewer, HandlesSplineAndSocketsAreWhereThePartIs) {
     expectNear(glm::normalize(position(*model_, {0, knot, Kind::kTangent}) - at),
                glm::normalize(inWorld(section[3] + section[1]) - inWorld(section[3])), 2e-3f);
   }
-  // The spline against the centre line, as far as arcs and cubics differ: each point has one beside it.
+  // The spline against the center line, as far as arcs and cubics differ: each point has one beside it.
   const std::vector<glm::vec3> spline = splineOf(*model_, 0);
   const auto nearest = [](const glm::vec3& point, const std::vector<glm::vec3>& line) {
     float best = INFINITY;
@@ -220,10 +220,10 @@ TEST_F(SweptViewer, HandlesSplineAndSocketsAreWhereThePartIs) {
     }
     return best;
   };
-  std::vector<glm::vec3> centre;
-  for (int i = 0; i <= 256; ++i) centre.push_back(inWorld(sectionAt(arcs, 0.25f * static_cast<float>(i))[3]));
-  for (const glm::vec3& point : spline) EXPECT_LT(nearest(point, centre), kHeight / 1000);
-  for (const glm::vec3& point : centre) EXPECT_LT(nearest(point, spline), kHeight / 1000);
+  std::vector<glm::vec3> center;
+  for (int i = 0; i <= 256; ++i) center.push_back(inWorld(sectionAt(arcs, 0.25f * static_cast<float>(i))[3]));
+  for (const glm::vec3& point : spline) EXPECT_LT(nearest(point, center), kHeight / 1000);
+  for (const glm::vec3& point : center) EXPECT_LT(nearest(point, spline), kHeight / 1000);
 
   const PackRig rig = rigOf(model_->asset().pack());
   const glm::mat4 frame = socketFrame(*model_, rig.sockets[0]);

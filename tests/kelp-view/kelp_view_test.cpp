@@ -43,7 +43,7 @@ class Viewer : public ::testing::Test {
 
 TEST_F(Viewer, EveryKnotHasTwoHandles) { EXPECT_EQ(handlesOf(*model_).size(), 6u); }
 
-TEST_F(Viewer, KnotsStandOnTheMiddleOfTheModel) {  // metres: one high, foot at the origin
+TEST_F(Viewer, KnotsStandOnTheMiddleOfTheModel) {  // meters: one high, foot at the origin
   EXPECT_LT(glm::distance(position(*model_, {0, 0, Handle::Kind::kKnot}), glm::vec3(0)), 1e-5f);
   EXPECT_LT(glm::distance(position(*model_, {0, 2, Handle::Kind::kKnot}), glm::vec3(0, 1, 2.0f / 64)), 1e-5f);
 }

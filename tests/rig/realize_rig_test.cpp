@@ -75,7 +75,7 @@ TEST(RealizeKnots, PoseOfThePaper) {
 
 TEST(RealizeKnots, OffsetsAndAutomaticTangentsByHand) {
   // Axis -x, so that artist (dx, dy, dz) is part (dy, -dx, dz). Slopes: ends one-sided, the middle between
-  // its neighbours.
+  // its neighbors.
   const auto rig = parseRig(
       R"({"kelp": 1, "axis": "-x", "knots": [{"at": 0}, {"at": 0.25, "offset": [-0.05, 0.1, 0.2]}, {"at": 1, "offset": [0, 0, 0.4]}]})");
   const auto knots = realizeKnots(rig);
@@ -141,7 +141,7 @@ TEST(RealizeClips, WavesAndKeysByHand) {
   const auto& keys = clips[1].tracks.at(0).keys;
   EXPECT_EQ(keys[1].value, glm::vec4(0.5f, 0, 0, 0));
   EXPECT_FLOAT_EQ(keys[0].out.x, 0.5f);  // one-sided: a half in 1 s
-  EXPECT_FLOAT_EQ(keys[1].in.x, 0.1f);   // between its neighbours: 0.3 in 3 s
+  EXPECT_FLOAT_EQ(keys[1].in.x, 0.1f);   // between its neighbors: 0.3 in 3 s
   EXPECT_FLOAT_EQ(keys[1].out.x, 0.1f);
   EXPECT_EQ(keys[2].in, glm::vec4(0, 1, 0, 0));
   EXPECT_FLOAT_EQ(keys[2].out.x, -0.1f);
@@ -149,7 +149,7 @@ TEST(RealizeClips, WavesAndKeysByHand) {
   EXPECT_EQ(clips[1].tracks.at(1).keys[1].value, glm::vec4(4, 5, 6, 0));
 }
 
-TEST(RealizeClips, NeighbouringRotationsTakeTheShortWay) {
+TEST(RealizeClips, NeighboringRotationsTakeTheShortWay) {
   const auto rig = parseRig(R"({"kelp": 1, "clips": {"c": {"interpolation": "cubic", "keys": [
     {"time": 0, "rotation": [0, 0, 0, 1]}, {"time": 1, "rotation": [0, -0.6, 0, -0.8]}, {"time": 2, "rotation": [0, -0.8, 0, -0.6]}]}}})");
   const auto keys = realizeClips(rig, 0)[0].tracks[0].keys;

@@ -52,7 +52,7 @@ class Running:
 
 
 def check_encoded(pixels):
-    """View::output is for the screen: where nothing encodes, linear colours are too dark."""
+    """View::output is for the screen: where nothing encodes, linear colors are too dark."""
     plants = sorted(max(pixel) for pixel in pixels if check_picture.is_olive(*pixel))
     assert plants[len(plants) // 2] > 110, "the plants are too dark: %d" % plants[len(plants) // 2]
 

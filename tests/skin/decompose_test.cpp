@@ -70,9 +70,9 @@ TEST(SkinDecompose, PartsAreConnectedAndFewAndBetterThanJoints) {
     std::vector<std::uint32_t> reached{members[p].front()};
     seen[reached.front()] = true;
     for (std::size_t k = 0; k < reached.size(); ++k)
-      for (std::size_t n = divided.samples.first_neighbour[reached[k]];
-           n < divided.samples.first_neighbour[reached[k] + 1]; ++n) {
-        const std::uint32_t other = divided.samples.neighbours[n].sample;
+      for (std::size_t n = divided.samples.first_neighbor[reached[k]];
+           n < divided.samples.first_neighbor[reached[k] + 1]; ++n) {
+        const std::uint32_t other = divided.samples.neighbors[n].sample;
         if (seen[other] || divided.labels.parts[other] != p) continue;
         seen[other] = true;
         reached.push_back(other);

@@ -62,7 +62,7 @@ TEST(DivideSkin, InTheBindPoseThePartsAreTheWhole) {
     }
   }
   EXPECT_EQ(together, shape.whole.solid);
-  EXPECT_GT(shared, 500u);  // neighbours overlap
+  EXPECT_GT(shared, 500u);  // neighbors overlap
 }
 
 TEST(DivideSkin, SurfaceVoxelsLookLikeTheWhole) {

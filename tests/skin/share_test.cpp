@@ -72,7 +72,7 @@ struct Halves {
 
 glm::dmat4 moved(const glm::dvec3& by) { return glm::translate(glm::dmat4(1), by); }
 
-// 10 voxels a unit. Apart, a part has its neighbour's voxels as far as half the opening, and one more.
+// 10 voxels a unit. Apart, a part has its neighbor's voxels as far as half the opening, and one more.
 TEST(SkinShare, ClosesWhatOpens) {
   const Halves apart(moved({0, 1, 0})), together(moved({0, -1, 0}));
   ASSERT_EQ(apart.seams.size(), 1u);
@@ -114,11 +114,11 @@ TEST(SkinShare, NothingStandsOut) {
   const SeamSteps& seam = bent.seams[0];
   for (const std::size_t part : {0, 1}) {
     const auto farthest = [&](const glm::ivec3& at) {
-      const glm::dvec3 centre = glm::dvec3(at) + 0.5;
+      const glm::dvec3 center = glm::dvec3(at) + 0.5;
       double most = 0;
       for (const glm::dmat4x3& step :
-           (part == 0 ? seam.steps : seam.back_steps)[seam.nearest(centre).motion]) {
-        const glm::ivec3 to(glm::floor(step * glm::dvec4(centre, 1)));
+           (part == 0 ? seam.steps : seam.back_steps)[seam.nearest(center).motion]) {
+        const glm::ivec3 to(glm::floor(step * glm::dvec4(center, 1)));
         most = std::max(most,
                         std::sqrt(static_cast<double>(
                             outside[denseIndex(whole.size, glm::clamp(to, glm::ivec3(0), whole.size - 1))])));

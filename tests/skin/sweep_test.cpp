@@ -208,7 +208,7 @@ double farthest(const std::vector<glm::dvec3>& from, const std::vector<glm::dvec
 }
 
 // The surface voxels of a part as they are drawn at rest, in voxels of the whole.
-void addSurface(const SkinPart& part, const VoxelGrid& whole, std::vector<glm::dvec3>& centres,
+void addSurface(const SkinPart& part, const VoxelGrid& whole, std::vector<glm::dvec3>& centers,
                 std::vector<glm::dvec3>& normals) {
   const glm::dmat4x3 to_node(whole.to_node);
   const glm::dmat3 back = glm::inverse(linearOf(to_node));
@@ -226,7 +226,7 @@ void addSurface(const SkinPart& part, const VoxelGrid& whole, std::vector<glm::d
       at = sweepPoint(arcs, part.grid.size, at);
     }
     const glm::dvec3 in_node = glm::dmat4x3(part.grid.to_node) * glm::dvec4(glm::dvec3(at), 1);
-    centres.push_back(back * (in_node - to_node[3]));
+    centers.push_back(back * (in_node - to_node[3]));
     normals.push_back(glm::normalize(turn * glm::dvec3(normal)));
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures of leaves on cards: what is transparent is not there, what is there keeps its colour, bodies stay
+// Pictures of leaves on cards: what is transparent is not there, what is there keeps its color, bodies stay
 // whole.
 #include <cmath>
 
@@ -76,18 +76,18 @@ TEST(CutOut, ACardShowsItsDisc) {
     for (int y = 0; y < size.y; ++y) {
       for (int x = 0; x < size.x; ++x) {
         // Voxels of which the disc's edge passes within one are either.
-        const double from_centre = std::hypot(x + 0.5 - 0.5 * n, y + 0.5 - 0.5 * n) - kRadius * n;
-        if (std::abs(from_centre) < 1) continue;
+        const double from_center = std::hypot(x + 0.5 - 0.5 * n, y + 0.5 - 0.5 * n) - kRadius * n;
+        if (std::abs(from_center) < 1) continue;
         bool solid = false;
         for (int z = 0; z < size.z; ++z) solid = solid || baked.at(x, y, z);
-        ASSERT_EQ(solid, from_centre < 0) << x << " " << y << " of " << n;
+        ASSERT_EQ(solid, from_center < 0) << x << " " << y << " of " << n;
       }
     }
     EXPECT_EQ(countSamples(baked, {0, 1, 0}), baked.grid().surface.size()) << "the paper shines through";
   }
 }
 
-// Two cards cross; where one is transparent the other stays, in its own colour.
+// Two cards cross; where one is transparent the other stays, in its own color.
 TEST(CutOut, WhatStandsBehindAHoleStays) {
   TriangleSoup soup;
   addCard(soup, 64, 32.5f, false, 1);
@@ -242,7 +242,7 @@ TEST_F(Masked, PicturesBelowTheCutoffLeaveNothing) {
 }
 
 // alpha = x / 16: the half with x >= 8 is there; a factor or a picture of a half halves what is left.
-TEST_F(Masked, ColoursOfCornersCount) {
+TEST_F(Masked, ColorsOfCornersCount) {
   EXPECT_NEAR(share(write(factor(1), {}, {0, 1})), 0.5, 1.0 / 16);
   EXPECT_NEAR(share(write(factor(1) + R"(,"alphaCutoff":0.25)", {}, {0, 1})), 0.75, 1.0 / 16);
   EXPECT_NEAR(share(write(factor(0.5f) + R"(,"alphaCutoff":0.25)", {}, {0, 1})), 0.5, 1.0 / 16);

@@ -18,13 +18,13 @@ using test::voxelizeUnit;
 
 constexpr double kPi = std::numbers::pi;
 
-glm::vec3 centreOf(const bake::TriangleSoup& soup, const bake::TriangleSoup::Triangle& t) {
+glm::vec3 centerOf(const bake::TriangleSoup& soup, const bake::TriangleSoup::Triangle& t) {
   return (soup.positions[t.vertex[0]] + soup.positions[t.vertex[1]] + soup.positions[t.vertex[2]]) / 3.0f;
 }
 
-// Without the triangles whose centres are `gone`: a jagged rim.
+// Without the triangles whose centers are `gone`: a jagged rim.
 bake::TriangleSoup torn(bake::TriangleSoup soup, const std::function<bool(const glm::vec3&)>& gone) {
-  std::erase_if(soup.triangles, [&](const auto& t) { return gone(centreOf(soup, t)); });
+  std::erase_if(soup.triangles, [&](const auto& t) { return gone(centerOf(soup, t)); });
   return soup;
 }
 
@@ -127,7 +127,7 @@ TEST(Holes, NoRimIsTooWild) {
       if (seed % 4 == 1 && unit() < 0.3f) std::swap(soup.triangles[i].vertex[0], soup.triangles[i].vertex[1]);
       if (seed % 5 == 1 && unit() < 0.1f) {
         const auto triangle = soup.triangles[i];
-        const glm::vec3 tip = 1.5f * centreOf(soup, triangle);
+        const glm::vec3 tip = 1.5f * centerOf(soup, triangle);
         test::addTriangle(soup, soup.positions[triangle.vertex[0]], soup.positions[triangle.vertex[1]], tip);
       }
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a mesh looks like at a point, against the formulas of glTF: factor x vertex colour x texture.
+// What a mesh looks like at a point, against the formulas of glTF: factor x vertex color x texture.
 #include "kelp/voxelize/surface/look.h"
 
 #include <gtest/gtest.h>
@@ -18,11 +18,11 @@ struct Sheet {
   SourceModel model;
   Topology mesh;
   TriangleSoup& soup() { return model.parts[0].soup; }
-  void analyse(Fill fill = Fill::kSurface) {
+  void analyze(Fill fill = Fill::kSurface) {
     Frame frame;
     frame.size = glm::ivec3(16);
     frame.voxel_size = 1;
-    mesh = bake::analyse(soup(), frame, fill);
+    mesh = bake::analyze(soup(), frame, fill);
   }
 };
 Sheet triangle() {
@@ -50,14 +50,14 @@ Image plain(glm::u8vec4 color) {
   return image;
 }
 
-TEST(Look, MultipliesFactorVertexColourAndTexture) {
+TEST(Look, MultipliesFactorVertexColorAndTexture) {
   Sheet sheet = triangle();
   sheet.model.materials[0].base_color = {0.5f, 1, 1, 1};
   sheet.model.materials[0].texture = 0;
   sheet.model.images.push_back(plain({255, 51, 255, 255}));
   sheet.soup().uvs = {{glm::vec2(0), glm::vec2(1, 0), glm::vec2(0, 1)}};
   sheet.soup().colors = {{glm::vec4(1, 0, 0, 1), glm::vec4(0, 1, 0, 1), glm::vec4(0, 0, 1, 1)}};
-  sheet.analyse();
+  sheet.analyze();
   for (const bool turned : {false, true}) {
     if (turned) sheet.mesh.triangles[0].turn();
     const SurfaceLook look(sheet.model, sheet.soup(), sheet.mesh);
@@ -84,7 +84,7 @@ TEST(Look, AveragesTexturesThatAreFinerThanVoxels) {
   }
   sheet.model.images.push_back(checkers);
   sheet.soup().uvs = {{glm::vec2(0), glm::vec2(64, 0), glm::vec2(0, 64)}};
-  sheet.analyse();
+  sheet.analyze();
   const SurfaceLook fine(sheet.model, sheet.soup(), sheet.mesh);
   for (const double w : {0.1, 0.23, 0.41})
     EXPECT_NEAR(fine.materialAt(at(sheet.mesh, 0, {1 - w, w / 2, w / 2})).base_color.r, 0.5, 1e-3);
@@ -107,7 +107,7 @@ TEST(Look, TakesGlossAndGlowFromTheirOwnPictures) {
   material.glow_map.coordinates = 1;
   sheet.model.images = {plain({0, 51, 102, 255}), plain({255, 0, 51, 255})};
   sheet.soup().more_uvs[0] = {{glm::vec2(0), glm::vec2(1, 0), glm::vec2(0, 1)}};
-  sheet.analyse();
+  sheet.analyze();
   const Material got =
       SurfaceLook(sheet.model, sheet.soup(), sheet.mesh).materialAt(at(sheet.mesh, 0, {1, 0, 0}));
   EXPECT_NEAR(got.roughness, 0.1, 1e-6);
@@ -117,10 +117,10 @@ TEST(Look, TakesGlossAndGlowFromTheirOwnPictures) {
   EXPECT_NEAR(got.emissive.z, 1.2, 1e-5);
 }
 
-TEST(Look, ColoursFromFilesStayWithinBounds) {
+TEST(Look, ColorsFromFilesStayWithinBounds) {
   Sheet sheet = triangle();
   sheet.soup().colors = {{glm::vec4(std::nanf("")), glm::vec4(-3, 7, 0.5f, 1), glm::vec4(1)}};
-  sheet.analyse();
+  sheet.analyze();
   const SurfaceLook look(sheet.model, sheet.soup(), sheet.mesh);
   EXPECT_EQ(look.materialAt(at(sheet.mesh, 0, {1, 0, 0})).base_color, glm::vec4(0));
   EXPECT_EQ(look.materialAt(at(sheet.mesh, 0, {0, 1, 0})).base_color.r, 0);
@@ -137,7 +137,7 @@ TEST(Look, LooksThroughWhatIsCutOut) {
   sheet.model.materials.emplace_back();
   sheet.model.materials[1].alpha_cutoff = 0.5f;
   sheet.model.materials[1].base_color.a = 0.4f;
-  sheet.analyse();
+  sheet.analyze();
   const TriangleBvh bvh(sheet.mesh);
   {
     const SurfaceLook look(sheet.model, sheet.soup(), sheet.mesh);
@@ -163,7 +163,7 @@ TEST(Look, LooksThroughWhatIsCutOut) {
 
 TEST(Look, RefusesIndicesBeyondTheModel) {
   Sheet sheet = triangle();
-  sheet.analyse();
+  sheet.analyze();
   const auto make = [&] { SurfaceLook(sheet.model, sheet.soup(), sheet.mesh); };
   sheet.soup().triangles[0].material = 1;
   EXPECT_THROW(make(), ToolError);

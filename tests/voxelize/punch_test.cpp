@@ -15,7 +15,7 @@ namespace kelp {
 namespace {
 
 // The triangles that share a position with each.
-std::vector<std::vector<std::uint32_t>> neighbours(const bake::TriangleSoup& soup) {
+std::vector<std::vector<std::uint32_t>> neighbors(const bake::TriangleSoup& soup) {
   std::vector<std::vector<std::uint32_t>> at(soup.positions.size()), found(soup.triangles.size());
   for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
     for (const std::uint32_t v : soup.triangles[i].vertex) at[v].push_back(i);
@@ -30,7 +30,7 @@ std::vector<std::vector<std::uint32_t>> neighbours(const bake::TriangleSoup& sou
 // Which triangles go: `count` of them in patches of about `patch`, grown from random seeds.
 std::vector<bool> punch(const bake::TriangleSoup& soup, std::size_t count, std::size_t patch,
                         std::uint32_t seed) {
-  const auto around = neighbours(soup);
+  const auto around = neighbors(soup);
   std::mt19937 random(seed);
   std::vector<bool> gone(soup.triangles.size(), false);
   for (std::size_t removed = 0; removed < count;) {

@@ -49,14 +49,14 @@ void addBox(bake::TriangleSoup& soup, const glm::vec3& low, const glm::vec3& hig
   }
 }
 
-void addSphere(bake::TriangleSoup& soup, const glm::vec3& centre, float radius, int rings,
+void addSphere(bake::TriangleSoup& soup, const glm::vec3& center, float radius, int rings,
                const std::function<bool(float)>& keep) {
   const auto point = [&](int ring, int step) {
-    if (ring == 0) return centre - glm::vec3(0, radius, 0);
-    if (ring == rings) return centre + glm::vec3(0, radius, 0);
+    if (ring == 0) return center - glm::vec3(0, radius, 0);
+    if (ring == rings) return center + glm::vec3(0, radius, 0);
     const float latitude = kPi * (static_cast<float>(ring) / static_cast<float>(rings) - 0.5f);
     const float longitude = kPi * static_cast<float>(step % (2 * rings)) / static_cast<float>(rings);
-    return centre + radius * glm::vec3(std::cos(latitude) * std::cos(longitude), std::sin(latitude),
+    return center + radius * glm::vec3(std::cos(latitude) * std::cos(longitude), std::sin(latitude),
                                        std::cos(latitude) * std::sin(longitude));
   };
   for (int ring = 0; ring < rings; ++ring) {

@@ -17,7 +17,7 @@ void addTriangle(bake::TriangleSoup& soup, const glm::vec3& a, const glm::vec3& 
 // A box wound outward; `skip` leaves out its -x, +x, -y, +y, -z or +z face (0 .. 5).
 void addBox(bake::TriangleSoup& soup, const glm::vec3& low, const glm::vec3& high, int skip = -1);
 // A latitude-longitude sphere, poles on y; keep(latitude in radians) says which bands of triangles to make.
-void addSphere(bake::TriangleSoup& soup, const glm::vec3& centre, float radius, int rings,
+void addSphere(bake::TriangleSoup& soup, const glm::vec3& center, float radius, int rings,
                const std::function<bool(float)>& keep = {});
 // A torus around y.
 void addTorus(bake::TriangleSoup& soup, float major, float minor, int steps);

@@ -16,7 +16,7 @@ namespace {
 
 using test::voxelizeUnit;
 
-// The farthest of many points of a mesh from the centre of a solid voxel.
+// The farthest of many points of a mesh from the center of a solid voxel.
 double farthest(const test::Baked& baked, const test::MeshTruth& truth) {
   double most = 0;
   for (const glm::dvec3& p : truth.sample(20000, 1)) {

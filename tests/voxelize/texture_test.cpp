@@ -35,7 +35,7 @@ glm::dvec4 truthAt(const Image& image, int x, int y) {
   if (!image.srgb) return glm::dvec4(rgba[0], rgba[1], rgba[2], rgba[3]) / 255.0;
   return {linear(rgba[0]), linear(rgba[1]), linear(rgba[2]), rgba[3] / 255.0};
 }
-// The mean over a square of texels: alpha plain, colour weighted by alpha.
+// The mean over a square of texels: alpha plain, color weighted by alpha.
 glm::dvec4 meanOf(const Image& image, int x0, int y0, int side) {
   glm::dvec3 color(0);
   double alpha = 0;
@@ -116,8 +116,8 @@ TEST(Texture, InterpolatesAndWraps) {
   }
 }
 
-// What is transparent has no colour to give: half of it leaves the colour and halves the alpha.
-TEST(Texture, TransparentTexelsGiveNoColour) {
+// What is transparent has no color to give: half of it leaves the color and halves the alpha.
+TEST(Texture, TransparentTexelsGiveNoColor) {
   Image image;
   image.width = 2;
   image.height = 1;

@@ -62,7 +62,7 @@ Filled fill(const TriangleSoup& soup) {
   Frame frame;
   frame.size = filled.size = glm::ivec3(40);
   frame.voxel_size = 1;
-  filled.mesh = analyse(soup, frame, Fill::kAuto);
+  filled.mesh = analyze(soup, frame, Fill::kAuto);
   filled.before.assign(40 * 40 * 40, kEmpty);
   fillScanlines(filled.mesh, filled.size, kThreads, filled.before);
   // Touched voxels by brute force, and some beside them.
@@ -82,7 +82,7 @@ Filled fill(const TriangleSoup& soup) {
 }
 
 // Wires much thinner than a voxel, in any direction: one piece, nothing beside the wire, and every point of
-// it within 1.6 voxels of a solid voxel's centre.
+// it within 1.6 voxels of a solid voxel's center.
 TEST(Thin, WiresHangTogether) {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> place(4, 36);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The rasteriser, against the question itself: whether some point a + s (b - a) + t (c - a) with s, t >= 0
+// The rasterizer, against the question itself: whether some point a + s (b - a) + t (c - a) with s, t >= 0
 // and s + t <= 1 lies in the closed cube. If any does, so does one where two of these nine bounds are
 // reached, and there are 36 of those: solved as fractions of 128 bits, without rounding.
 #include "kelp/voxelize/surface/touched_voxels.h"

@@ -28,7 +28,7 @@ class MeshTruth {
   // Sum of signed tetrahedra (divergence theorem), voxels^3: the volume, if the mesh is closed, wound outward
   // and free of overlaps.
   double signedVolume() const;
-  // Generalised winding number (Jacobson et al. 2013): signed solid angle / 4 pi, by the formula of Van
+  // Generalized winding number (Jacobson et al. 2013): signed solid angle / 4 pi, by the formula of Van
   // Oosterom and Strackee. Every triangle is looked at.
   double winding(const glm::dvec3& p) const;
   // The same for each piece (what shares corners): the largest magnitude. Pieces that are inside out take

@@ -108,9 +108,9 @@ TEST_P(TruthAt256, VolumeAndSurface) {
                       mesh.solid(v + glm::ivec3(0, 1, 0)) && mesh.solid(v - glm::ivec3(0, 1, 0)) &&
                       mesh.solid(v + glm::ivec3(0, 0, 1)) && mesh.solid(v - glm::ivec3(0, 0, 1));
     if (bulk && random() % 1024 != 0) continue;
-    const dvec3 centre = dvec3(v) + 0.5;
+    const dvec3 center = dvec3(v) + 0.5;
     ++seen;
-    if (truth.nearest(centre).distance > kDiagonal) deep.push_back(centre);
+    if (truth.nearest(center).distance > kDiagonal) deep.push_back(center);
   }
   std::shuffle(deep.begin(), deep.end(), random);
   const std::size_t asked = std::min<std::size_t>(
@@ -118,7 +118,7 @@ TEST_P(TruthAt256, VolumeAndSurface) {
   double least = 1;
   for (std::size_t i = 0; i < asked; ++i) least = std::min(least, truth.windingOfPieces(deep[i]));
   std::printf(
-      "%s: farthest point of the mesh %.2f from a voxel's centre; %zu voxels looked at, %zu of %zu deep ones "
+      "%s: farthest point of the mesh %.2f from a voxel's center; %zu voxels looked at, %zu of %zu deep ones "
       "asked, least winding number %.3f\n",
       GetParam().name, farthest, seen, asked, deep.size(), least);
   EXPECT_GT(least, GetParam().winding) << "a voxel is neither near the mesh nor inside";

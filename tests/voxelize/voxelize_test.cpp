@@ -21,7 +21,7 @@ using test::voxelizeUnit;
 
 constexpr double kHalfTurn = std::numbers::pi;
 
-glm::dvec3 centreOf(const bake::VoxelGrid& grid, std::uint64_t index) {
+glm::dvec3 centerOf(const bake::VoxelGrid& grid, std::uint64_t index) {
   const std::uint64_t x = static_cast<std::uint64_t>(grid.size.x),
                       y = static_cast<std::uint64_t>(grid.size.y);
   return glm::dvec3(static_cast<double>(index % x), static_cast<double>(index / x % y),
@@ -34,7 +34,7 @@ double meanNormalError(const bake::VoxelGrid& grid,
                        const std::function<glm::dvec3(const glm::dvec3&)>& exact) {
   double sum = 0;
   for (const bake::SurfaceSample& sample : grid.surface) {
-    const glm::dvec3 node(grid.to_node * glm::vec4(glm::vec3(centreOf(grid, sample.index)), 1.0f));
+    const glm::dvec3 node(grid.to_node * glm::vec4(glm::vec3(centerOf(grid, sample.index)), 1.0f));
     sum += std::acos(std::min(1.0, glm::dot(glm::dvec3(sample.normal), exact(node)))) * 180.0 / kHalfTurn;
   }
   return sum / static_cast<double>(grid.surface.size());
@@ -76,17 +76,17 @@ TEST(Voxelize, ScanlinesOnEdgesAndVerticesCountOnce) {
     bake::TriangleSoup soup;
     test::addBox(soup, {0, 0, 0}, {11, 11, 11}, face);
     const int axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-    // the middle of a voxel's face: four triangles meet there, and their edges run through voxel centres
-    glm::vec3 centre(5.5f);
-    centre[axis] = face % 2 ? 11.0f : 0.0f;
+    // the middle of a voxel's face: four triangles meet there, and their edges run through voxel centers
+    glm::vec3 center(5.5f);
+    center[axis] = face % 2 ? 11.0f : 0.0f;
     const glm::vec2 ring[5] = {{0, 0}, {11, 0}, {11, 11}, {0, 11}, {0, 0}};
     for (int k = 0; k < 4; ++k) {
-      glm::vec3 a(centre), b(centre);
+      glm::vec3 a(center), b(center);
       a[u] = ring[k].x;
       a[v] = ring[k].y;
       b[u] = ring[k + 1].x;
       b[v] = ring[k + 1].y;
-      test::addTriangle(soup, centre, face % 2 ? a : b, face % 2 ? b : a);
+      test::addTriangle(soup, center, face % 2 ? a : b, face % 2 ? b : a);
     }
     EXPECT_EQ(voxelizeUnit(test::makeModel(soup)).solid, 11u * 11u * 11u) << "face " << face;
   }
@@ -129,7 +129,7 @@ TEST(Voxelize, MixedWindingIsTheSameSolid) {
   EXPECT_EQ(consistent.grid().solid, mixed.grid().solid);
 }
 
-TEST(Voxelize, FacesModelledTwiceAreOne) {
+TEST(Voxelize, FacesModeledTwiceAreOne) {
   bake::TriangleSoup soup;
   test::addSphere(soup, {0, 0, 0}, 20.0f, 40);
   const test::Baked once = voxelizeUnit(test::makeModel(soup));
@@ -156,7 +156,7 @@ bake::TriangleSoup blocks(float edge) {
 int normalsAside(const bake::VoxelGrid& grid) {
   int wrong = 0;
   for (const bake::SurfaceSample& sample : grid.surface) {
-    const glm::dvec3 p = centreOf(grid, sample.index);
+    const glm::dvec3 p = centerOf(grid, sample.index);
     glm::dvec3 face(0);
     int near = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -180,7 +180,7 @@ TEST(Voxelize, BlocksThatTouchAreOneBody) {
   }
 }
 
-TEST(Voxelize, LeavesModelledFromBothSidesStayOnTheirStem) {
+TEST(Voxelize, LeavesModeledFromBothSidesStayOnTheirStem) {
   bake::TriangleSoup soup;
   test::addBox(soup, {0, 0, 0}, {6, 30, 6});
   for (const bool back : {false, true}) {
@@ -200,7 +200,7 @@ TEST(Voxelize, OverlappingAndNestedBodiesAreTheirUnion) {
   test::addBox(overlapping, {6, 0, 0}, {16, 10, 10});
   EXPECT_EQ(voxelizeUnit(test::makeModel(overlapping)).solid, 16u * 10u * 10u);
 
-  // The inner shell may be wound inward, as a hollow ball is modelled: nobody sees the cavity, and it would
+  // The inner shell may be wound inward, as a hollow ball is modeled: nobody sees the cavity, and it would
   // cost memory.
   for (const bool inward : {false, true}) {
     bake::TriangleSoup nested;
@@ -217,7 +217,7 @@ TEST(Voxelize, NormalsIgnoreTrianglesHiddenInTheUnion) {
   test::addBox(soup, {4.3f, 4.3f, 0.7f}, {15.6f, 15.6f, 10.0f});  // its -z face lies 0.7 beneath the other's
   const test::Baked baked = voxelizeUnit(test::makeModel(soup));
   for (const bake::SurfaceSample& sample : baked.grid().surface) {
-    const glm::dvec3 p = centreOf(baked.grid(), sample.index);
+    const glm::dvec3 p = centerOf(baked.grid(), sample.index);
     if (p.z < 1.0 && p.x > 5 && p.x < 15 && p.y > 5 && p.y < 15) {
       EXPECT_LT(sample.normal.z, -0.99f);
     }
@@ -247,7 +247,7 @@ TEST(Voxelize, HolesAreClosedByFans) {
   const int middle = baked.grid().size.x / 2;
   EXPECT_TRUE(baked.at(middle, 0, middle));
   for (const bake::SurfaceSample& sample : baked.grid().surface) {
-    const glm::dvec3 p = centreOf(baked.grid(), sample.index);
+    const glm::dvec3 p = centerOf(baked.grid(), sample.index);
     if (p.y < 1 && std::hypot(p.x - middle, p.z - middle) < 10) {
       EXPECT_LT(sample.normal.y, -0.99f);
     }
@@ -274,7 +274,7 @@ TEST(Voxelize, OpenSheetsStaySheets) {
 }
 
 // A sheet has one normal at each place, whichever way the voxels' steps happen to open: no rings where
-// neighbours disagree.
+// neighbors disagree.
 TEST(Voxelize, OpenSheetsHaveSmoothNormals) {
   const auto radial = [](const glm::dvec3& p) { return glm::normalize(p); };
   const auto around = [](const glm::dvec3& p) { return glm::normalize(glm::dvec3(p.x, 0, p.z)); };
@@ -309,7 +309,7 @@ TEST(Voxelize, OpenSheetsHaveSmoothNormals) {
     std::size_t turned = 0;
     for (const bake::SurfaceSample& sample : baked.grid().surface) {
       for (int axis = 0; axis < 3; ++axis) {
-        if (centreOf(baked.grid(), sample.index)[axis] + 1 > baked.grid().size[axis]) continue;
+        if (centerOf(baked.grid(), sample.index)[axis] + 1 > baked.grid().size[axis]) continue;
         const bake::SurfaceSample* next = at[sample.index + stride[axis]];
         turned += next && glm::dot(sample.normal, next->normal) < 0;
       }
@@ -343,7 +343,7 @@ TEST(Voxelize, FoldedSheetsShowTheSideThatWasMeant) {
     ASSERT_EQ(baked.result.fill.substr(0, 8), "surface:") << baked.result.fill;
     const double middle = 0.5 * baked.grid().size.x;
     for (const bake::SurfaceSample& sample : baked.grid().surface) {
-      const glm::dvec3 p = centreOf(baked.grid(), sample.index);
+      const glm::dvec3 p = centerOf(baked.grid(), sample.index);
       const glm::dvec3 outward = glm::normalize(glm::dvec3(p.x - middle, 0, p.z - middle));
       ASSERT_GT(glm::dot(glm::dvec3(sample.normal), outward), 0.8)
           << "folded " << folded << " at " << p.x << " " << p.y << " " << p.z;
@@ -361,7 +361,7 @@ TEST(Voxelize, SheetsOnBodiesFaceTheOpen) {
     const test::Baked baked = voxelizeUnit(test::makeModel(soup));
     std::size_t seen = 0;
     for (const bake::SurfaceSample& sample : baked.grid().surface) {
-      if (centreOf(baked.grid(), sample.index).y < 20) continue;
+      if (centerOf(baked.grid(), sample.index).y < 20) continue;
       ++seen;
       EXPECT_GT(sample.normal.y, 0.99f);
     }
@@ -415,7 +415,7 @@ TEST(MakeFrame, FitsTheBoxAndTurnsTheAxis) {
   EXPECT_NEAR((along.node_to_voxel * glm::dvec4(5, 2, 3, 1)).y, 0.0, 1e-9);
   EXPECT_NEAR((along.node_to_voxel * glm::dvec4(1, 2, 3, 1)).y, 8.0, 1e-9);
   EXPECT_GT(glm::determinant(glm::dmat3(along.node_to_voxel)), 0.0) << "mirrored";
-  // What does not divide evenly is centred.
+  // What does not divide evenly is centered.
   const bake::Frame odd = bake::makeFrame(soup, Axis::kPlusY, 3.0, "box");
   EXPECT_EQ(odd.size, glm::ivec3(2, 3, 1));
   EXPECT_NEAR((odd.node_to_voxel * glm::dvec4(3, 6, 4.5, 1)).y, 1.5, 1e-9);

@@ -59,7 +59,7 @@ TEST(VoxelizeThin, ThinPlatesDoNotFuse) {
     }
     std::vector<int> owned(static_cast<std::size_t>(size.y), 0);
     for (int k = 0; k < 12; ++k) {
-      // Voxels are cubes, and the box is centred in whole ones.
+      // Voxels are cubes, and the box is centered in whole ones.
       const auto row = [&](float y) {
         return static_cast<int>(
             std::floor((baked.frame.node_to_voxel * glm::dvec4(0, static_cast<double>(y), 0, 1)).y));

@@ -62,8 +62,8 @@ class Tests(Harness, Hands, Faults):
         # The bounds of tests/gl/picture_test.cpp; rays that graze a voxel may differ.
         self.check("the picture is kelp-render's", hits > 3000 and one_sided <= 1 + hits / 500 and
                    strange <= 1 + hits / 200 and other <= hits / 50,
-                   f"of {hits} pixels {one_sided} covered by one, {other} other colours, "
-                   f"{strange} that no neighbour has")
+                   f"of {hits} pixels {one_sided} covered by one, {other} other colors, "
+                   f"{strange} that no neighbor has")
 
     def bends(self):
         self.open()

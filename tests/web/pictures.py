@@ -60,8 +60,8 @@ def displayed(red, green, blue):
 
 
 def compare(page, width, height, reference):
-    """page: RGBA from the bottom row up. Counts pixels that both cover, that one covers, whose colours
-    differ, and of these those whose colour no neighbour has in the reference. The others' rays graze a voxel
+    """page: RGBA from the bottom row up. Counts pixels that both cover, that one covers, whose colors
+    differ, and of these those whose color no neighbor has in the reference. The others' rays graze a voxel
     and met the one beside it, as they may where OpenGLs compute a pixel's ray in other precision."""
     rows = reference[2]
     hits = one_sided = other = strange = 0

@@ -61,7 +61,7 @@ kelp-render draws pictures of packs without a display, and kelp-view shows
 packs in a window and edits their rigs.")
 endif()
 
-# A package's papers: kelp's licence, the licences of the code that is compiled into it (from Debian's own
+# A package's papers: kelp's license, the licenses of the code that is compiled into it (from Debian's own
 # packages), and the changes.
 function(kelp_package_papers component package)
   set(papers ${PROJECT_BINARY_DIR}/papers/${package})

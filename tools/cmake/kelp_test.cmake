@@ -19,7 +19,7 @@ endfunction()
 # kelp_add_test(NAME SOURCES ... DEPENDS ... [RUNS program...] [LABELS ...] [ENVIRONMENT name=value] [DRIVES]
 #               [UNTRUSTED]): one GoogleTest program, every case a ctest entry.
 # RUNS: programs of this build whose paths its sources know, kelp-dump's as KELP_DUMP.
-# DRIVES: it computes nothing itself, so it is not optimised: that would take longer than it runs.
+# DRIVES: it computes nothing itself, so it is not optimized: that would take longer than it runs.
 # Built for another system, a program is one entry, because its emulator takes longer to start than most cases
 # to run; KELP_TEST_ARGUMENTS (preset web) leaves out what cannot run there: cases that start threads.
 function(kelp_add_test name)

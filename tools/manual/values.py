@@ -4,15 +4,15 @@
 from dataclasses import dataclass, replace
 
 MODELS = ["glb", "gltf", "obj", "ply", "stl", "off", "drc", "vdb", "nvdb", "vox", "binvox", "raw"]
-COLOURS = ["gpl", "png", "jpg", "jpeg", "webp"]
+COLORS = ["gpl", "png", "jpg", "jpeg", "webp"]
 
 # Of values that --help calls FILE or OUT, the kinds that it does not say.
 KINDS = {
     ("kelp-bake", "input"): MODELS,
     ("kelp-bake", "--output"): ["kelp"],
     ("kelp-bake", "--rig"): ["json"],
-    ("kelp-bake", "--palette"): COLOURS,
-    ("kelp-bake", "--ramp"): COLOURS,
+    ("kelp-bake", "--palette"): COLORS,
+    ("kelp-bake", "--ramp"): COLORS,
     ("kelp-bake", "--report"): ["json"],
     ("kelp-bake", "--deps-file"): ["d"],
     ("kelp-dump", "--output"): ["kelp"],

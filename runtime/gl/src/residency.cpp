@@ -99,7 +99,7 @@ void Residency::beginWants() {
 }
 
 // Gives every level its priority, and queues those that are wanted, the most urgent first.
-Result<void> Residency::prioritise() {
+Result<void> Residency::prioritize() {
   std::size_t levels = 0;
   for (const ResidentAsset* asset : std::span(assets_.data(), count_)) levels += asset->levels.size();
   if (!queue_.reuse(levels)) return kNoMemory;
@@ -189,7 +189,7 @@ Result<Residency::Progress> Residency::upload(const Api& api, std::uint64_t max_
     }
   }
   wants_read_ = true;
-  if (auto good = prioritise(); !good) return good.error();
+  if (auto good = prioritize(); !good) return good.error();
   pool_.beginCount();
   byte_limit_ = max_bytes;
   rows_left_ = pool_.rows() - 1;

@@ -62,7 +62,7 @@ class Residency {
     std::uint64_t done = 0;  // words
   };
   std::size_t lowerBound(const runtime::Asset* asset) const;
-  Result<void> prioritise();
+  Result<void> prioritize();
   bool advance(const Api& api, ResidentLevel& level);
   bool begin(const Api& api, ResidentLevel& level, std::uint32_t page, std::uint32_t rows);
   bool proceed(const Api& api);

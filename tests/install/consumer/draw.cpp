@@ -40,7 +40,7 @@ std::array<int, 4> pixel(int x, int y) {
 void checkPicture(const kelp::runtime::Instance& instance) {
   const std::array<int, 4> corner = pixel(2, 2), left = pixel(kSide / 2 - 8, kSide / 2),
                            right = pixel(kSide / 2 + 8, kSide / 2);
-  expect(corner == std::array<int, 4>{51, 102, 153, 255}, "the background keeps the host's clear colour");
+  expect(corner == std::array<int, 4>{51, 102, 153, 255}, "the background keeps the host's clear color");
   expect(left[0] > 3 * left[2] && left[0] > 60, "the cube is red on its left");
   expect(right[2] > 3 * right[0] && right[2] > 60, "the cube is blue on its right");
 
@@ -98,7 +98,7 @@ int run(const char* path) {
   expect(beside[2] > 60 && beside[2] > 3 * beside[0] && beside != pixel(kSide / 2 + 28, kSide / 2 + 10),
          "the clip moves the cube's top aside");
   checkPicture(instance);
-  std::printf("%d colours\n", countColors());
+  std::printf("%d colors\n", countColors());
   return failures == 0 ? 0 : 4;
 }
 

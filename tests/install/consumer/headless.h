@@ -7,11 +7,11 @@
 
 constexpr int kSide = 128;  // pixels
 
-// Makes a context current, with a bound framebuffer of kSide x kSide pixels of colour and depth. On failure
+// Makes a context current, with a bound framebuffer of kSide x kSide pixels of color and depth. On failure
 // says why and answers false.
 bool makeContext();
 void destroyContext();
 void* getProcAddress(void* user, const char* name);
 
-// Reads the picture back: the number of different colours in it.
+// Reads the picture back: the number of different colors in it.
 int countColors();

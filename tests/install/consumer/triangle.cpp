@@ -38,7 +38,7 @@ int main() {
     glDrawArrays(GL_TRIANGLES, 0, 3);
   }
   const int colors = countColors();
-  std::printf("%d colours\n", colors);
+  std::printf("%d colors\n", colors);
   destroyContext();
   return colors > 1 ? 0 : 4;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Writes the smallest pack that shows something: one brick with a cube of 4 x 4 x 4 voxels in its middle, red
-// on its left, blue on its right. In metres the volume is 1 m high, stands on the origin and is centred in x
+// on its left, blue on its right. In meters the volume is 1 m high, stands on the origin and is centered in x
 // and z: the cube is [-1/4, 1/4] x [1/4, 3/4] x [-1/4, 1/4].
 #include <cmath>
 #include <cstdio>

@@ -23,9 +23,9 @@ std::vector<std::uint8_t> rounded(const std::vector<std::uint16_t>& values, int 
 }
 
 // The radiance of a black body at a wavelength (Planck's law), up to a factor.
-double planck(double nanometres, double kelvin) {
+double planck(double nanometers, double kelvin) {
   constexpr double kSecondRadiation = 1.438777e7;  // h c / k in nm K
-  return 1e15 / (std::pow(nanometres, 5) * std::expm1(kSecondRadiation / (nanometres * kelvin)));
+  return 1e15 / (std::pow(nanometers, 5) * std::expm1(kSecondRadiation / (nanometers * kelvin)));
 }
 
 // From dark red to the light of a lamp. At the wavelengths where Rec. 709's primaries are; the hottest has

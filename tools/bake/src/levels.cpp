@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Levels: occupancy by OR, normals and colours by average.
+// Levels: occupancy by OR, normals and colors by average.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,7 +21,7 @@ namespace kelp::bake {
 namespace {
 
 // A surface voxel of some level. Coarser levels follow from what level 0 stores, so that a pack that comes
-// back through another format has them again; from there on colours and normals stay unrounded from level to
+// back through another format has them again; from there on colors and normals stay unrounded from level to
 // level.
 using Attribute = SurfaceSample;
 
@@ -139,7 +139,7 @@ std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, con
   return coarse;
 }
 
-// encodeNormal() and decodeNormal(), which take long, of normals that come again soon: neighbours often share
+// encodeNormal() and decodeNormal(), which take long, of normals that come again soon: neighbors often share
 // a triangle.
 class NormalCodes {
  public:

@@ -23,8 +23,8 @@ inline glm::vec3 toOklab(const glm::vec3& c) {
           0.0259040371f * l + 0.7827717662f * m - 0.8086757660f * s};
 }
 
-// A material as a point: base colour in OKLab, alpha, emissive in OKLab, metallic, roughness; weighted so
-// that equal distances matter about equally. The colour decides; gloss weighs less, for it shows only where
+// A material as a point: base color in OKLab, alpha, emissive in OKLab, metallic, roughness; weighted so
+// that equal distances matter about equally. The color decides; gloss weighs less, for it shows only where
 // light is reflected.
 using MaterialPoint = std::array<float, 9>;
 
@@ -54,7 +54,7 @@ Palette clusterPalette(const std::vector<const VoxelGrid*>& grids, std::size_t l
 // The number of distinct materials of the samples; `limit` + 1 if there are more than `limit`.
 std::size_t countDistinct(const std::vector<const VoxelGrid*>& grids, std::size_t limit);
 
-// Distance of two colours in OKLab.
+// Distance of two colors in OKLab.
 double colorDistance(const Material& a, const Material& b);
 
 // Index of the entry nearest to `point`; the lowest of several.

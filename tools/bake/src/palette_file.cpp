@@ -25,7 +25,7 @@ glm::vec3 linearOf(int r, int g, int b) {
 void add(std::vector<glm::vec3>& colors, const glm::vec3& color, const std::filesystem::path& path) {
   if (colors.size() == kMaxPalette)
     refuse(Exit::kInvalid, path, "",
-           fmt::format("has more than {} colours, which is what a pack holds; leave some out", kMaxPalette));
+           fmt::format("has more than {} colors, which is what a pack holds; leave some out", kMaxPalette));
   colors.push_back(color);
 }
 
@@ -80,7 +80,7 @@ std::vector<glm::vec3> readPalette(const std::filesystem::path& path, FilesUsed*
       refuse(Exit::kInvalid, path, "", "is no GIMP palette (.gpl) and " + *fault + "; export one of these");
     colors = readPicture(std::get<Image>(image), path);
   }
-  if (colors.empty()) refuse(Exit::kInvalid, path, "", "holds no colour; add one");
+  if (colors.empty()) refuse(Exit::kInvalid, path, "", "holds no color; add one");
   return colors;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Palettes by request: colours that somebody fixed, and materials that stay apart.
+// Palettes by request: colors that somebody fixed, and materials that stay apart.
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -14,7 +14,7 @@
 namespace kelp::bake {
 namespace {
 
-// The entries are the colours, in their order; what a colour says nothing of is the mean over the voxels that
+// The entries are the colors, in their order; what a color says nothing of is the mean over the voxels that
 // get it.
 Palette fixedPalette(const std::vector<const VoxelGrid*>& grids, const std::vector<glm::vec3>& colors,
                      int threads) {

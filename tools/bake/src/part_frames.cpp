@@ -74,7 +74,7 @@ std::string partPlace(const std::filesystem::path& input, const SourcePart& part
   return fmt::format("{}: part '{}'", input.filename().string(), part.name);
 }
 
-// Object metres to a metre of the part's node, in the mean over its axes.
+// Object meters to a meter of the part's node, in the mean over its axes.
 double objectScale(const SourcePart& part) {
   const double scale = std::cbrt(std::abs(glm::determinant(glm::dmat3(part.to_object))));
   return scale > 0 && std::isfinite(scale) ? scale : 1.0;
@@ -161,7 +161,7 @@ PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& 
     for (std::size_t i = 0; i < 3; ++i)
       corner[i] = turn * glm::dvec3(part.soup.positions[triangle.vertex[i]]);
     const glm::dvec3 area = 0.5 * glm::abs(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
-    // A triangle narrower than a voxel touches voxels along its length, which it shares with a neighbour.
+    // A triangle narrower than a voxel touches voxels along its length, which it shares with a neighbor.
     const glm::dvec3 extent = glm::max(glm::max(corner[0], corner[1]), corner[2]) -
                               glm::min(glm::min(corner[0], corner[1]), corner[2]);
     const glm::dvec3 touched = area + 0.5 * glm::max(extent - 1.0, glm::dvec3(0));

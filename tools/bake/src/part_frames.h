@@ -13,7 +13,7 @@ namespace kelp::bake {
 // "model.glb: part 'leaf'", for errors.
 std::string partPlace(const std::filesystem::path& input, const SourcePart& part);
 
-// Object metres to a metre of the part's node, in the mean over its axes.
+// Object meters to a meter of the part's node, in the mean over its axes.
 double objectScale(const SourcePart& part);
 
 // True if the voxels are the file's own.
@@ -29,7 +29,7 @@ void checkFrames(const SourceModel& model, const std::vector<Frame>& frames, con
                  const std::filesystem::path& input);
 
 // Voxels of a part that is a volume by now -> the object; and how far floats move the part's corner, in
-// metres.
+// meters.
 glm::mat4x3 voxelsToObject(const SourcePart& part);
 double placeError(const SourcePart& part);
 

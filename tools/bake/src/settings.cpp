@@ -14,7 +14,7 @@ void checkSettings(const Settings& settings) {
       !(*settings.voxel_size >= kSmallestVoxel && *settings.voxel_size <= kLargestVoxel)) {
     wrong(
         fmt::format("--voxel-size {}: not a length above 0 that a pack can hold; give the edge of a voxel in "
-                    "metres, such as 0.01",
+                    "meters, such as 0.01",
                     *settings.voxel_size));
   }
   if (!settings.voxel_size && (settings.resolution < 1 || settings.resolution > kMaxResolution)) {
@@ -27,10 +27,10 @@ void checkSettings(const Settings& settings) {
   if (settings.threads < 0 || settings.threads > 1024)
     wrong(fmt::format("--threads {}: not between 1 and 1024; leave it out for all", settings.threads));
   if (settings.palette_file && settings.keep_materials)
-    wrong("--palette and --keep-materials at once: fixed colours may serve several materials; choose one");
+    wrong("--palette and --keep-materials at once: fixed colors may serve several materials; choose one");
   if (!(settings.unit >= kSmallestUnit && settings.unit <= kLargestUnit))
     wrong(
-        fmt::format("--unit {}: not between {:g} and {:g} metres; give the length of a unit of the file, "
+        fmt::format("--unit {}: not between {:g} and {:g} meters; give the length of a unit of the file, "
                     "such as cm or 0.01",
                     settings.unit, kSmallestUnit, kLargestUnit));
   if (settings.pad < 0 || settings.pad > kMaxPad)

@@ -14,7 +14,7 @@
 
 namespace kelp::bake {
 
-// Units a file may be in; metres.
+// Units a file may be in; meters.
 inline constexpr double kSmallestUnit = 1e-6, kLargestUnit = 1e6;
 
 // Turns Settings::up to the object's +y and scales by Settings::unit: only matrices change, so voxels, rigs
@@ -44,7 +44,7 @@ DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, i
                               const Progress& progress, Report& report);
 
 // Adds what a skin needs to the size of its part: the division itself, and parts that have cuts and voxels of
-// their neighbours beside the surface.
+// their neighbors beside the surface.
 void countSkin(const SourceSkin& skin, PartSize& size);
 
 // Adds how well clips fit to the report, and a notice for those that do not fit well. `frame` is the whole's.

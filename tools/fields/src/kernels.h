@@ -25,7 +25,7 @@ struct Kernels {
   void (*envelopes)(std::uint32_t* values, std::size_t stride, int count, int width, std::int32_t* scratch);
 
   // out[x] = largest of the bytes x - 1, x and x + 1 of all `row_count` >= 1 rows; bytes beyond the ends are
-  // 0. scratch: neighbourScratch(count) bytes.
+  // 0. scratch: neighborScratch(count) bytes.
   void (*largest)(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch,
                   std::uint8_t* out);
 
@@ -35,7 +35,7 @@ struct Kernels {
 
 inline std::size_t rowScratch(int count) { return 6 * static_cast<std::size_t>(count) + 512; }
 inline std::size_t envelopeScratch(int count) { return 2 * static_cast<std::size_t>(count) * kTileWidth; }
-inline std::size_t neighbourScratch(int count) { return static_cast<std::size_t>(count) + 2; }
+inline std::size_t neighborScratch(int count) { return static_cast<std::size_t>(count) + 2; }
 
 // Plain C++, for volumes of every size up to kMaxSide.
 const Kernels& plainKernels();

@@ -302,7 +302,7 @@ HWY_ATTR void envelopes(std::uint32_t* values, std::size_t stride, int count, in
   for (int x = 0; x < width; x += lanes) writeEnvelope(values + x, stride, count, width - x, x, stacks);
 }
 
-// --- neighbourhoods
+// --- neighborhoods
 
 HWY_ATTR void largest(const std::uint8_t* const* in, int row_count, int count, std::uint8_t* scratch,
                       std::uint8_t* out) {

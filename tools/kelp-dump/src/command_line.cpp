@@ -19,11 +19,11 @@ constexpr const char* kCommands =
     "use info, verify, diff, rig, extract, slice or schema, see kelp-dump --help";
 constexpr const char* kExamples =
     "Examples:\n"
-    "  kelp-dump info reed.kelp                     what it is, its parts, clips and colours, where the "
+    "  kelp-dump info reed.kelp                     what it is, its parts, clips and colors, where the "
     "bytes "
     "go\n"
     "  kelp-dump verify reed.kelp --deep            recompute clearances, levels, distances; compare\n"
-    "  kelp-dump diff old.kelp new.kelp             which parts, voxels, colours, rigs and clips differ\n"
+    "  kelp-dump diff old.kelp new.kelp             which parts, voxels, colors, rigs and clips differ\n"
     "  kelp-dump rig reed.kelp > reed.rig.json      the rig as kelp-bake --rig reads it\n"
     "  kelp-dump extract reed.kelp --vox reed.vox   its voxels for MagicaVoxel; or --vdb, --nvdb, --npy, "
     "--proxy\n"

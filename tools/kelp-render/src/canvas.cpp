@@ -113,7 +113,7 @@ Picture resolve(const std::vector<std::uint8_t>& drawn, glm::ivec2 size, int sam
     const float height = 1.0f - (static_cast<float>(y) + 0.5f) / static_cast<float>(size.y);
     const glm::vec3 behind = glm::mix(background.bottom, background.top, height);
     for (int x = 0; x < size.x; ++x) {
-      glm::vec4 sum(0);  // colour times coverage, coverage
+      glm::vec4 sum(0);  // color times coverage, coverage
       for (int sy = 0; sy < samples; ++sy) {
         for (int sx = 0; sx < samples; ++sx) {
           const auto row = static_cast<std::size_t>(samples) * static_cast<std::size_t>(size.y - 1 - y) +

@@ -13,7 +13,7 @@ namespace kelp::render {
 
 class Canvas {
  public:
-  // Binds itself and sets the viewport. `colors`: linear colour is written, and stored as sRGB.
+  // Binds itself and sets the viewport. `colors`: linear color is written, and stored as sRGB.
   // ToolError kRuntime if the context has no framebuffer of that size.
   Canvas(glm::ivec2 size, bool colors, bool es);
   ~Canvas();
@@ -44,7 +44,7 @@ struct Picture {
 };
 
 // `drawn`: `samples` * `samples` values for each pixel, RGBA, premultiplied, rows from bottom to top; alpha 0
-// where nothing was drawn. `colors`: the values are sRGB colours and are averaged as light; else plain
+// where nothing was drawn. `colors`: the values are sRGB colors and are averaged as light; else plain
 // numbers. With a transparent background alpha is the coverage.
 Picture resolve(const std::vector<std::uint8_t>& drawn, glm::ivec2 size, int samples, bool colors,
                 const Background& background);

@@ -34,8 +34,8 @@ void forVoxels(const DenseVolume& volume, const glm::ivec3& brick, Visit&& visit
   }
 }
 
-// The 26 neighbours, nearest first.
-std::array<glm::ivec3, 26> neighbours() {
+// The 26 neighbors, nearest first.
+std::array<glm::ivec3, 26> neighbors() {
   std::array<glm::ivec3, 26> all;
   std::size_t count = 0;
   for (int far = 1; far <= 3; ++far) {
@@ -49,7 +49,7 @@ std::array<glm::ivec3, 26> neighbours() {
 
 // Gives inner voxels beside surface voxels the attribute of the nearest one.
 void spreadInwards(DenseVolume& volume, const std::vector<glm::ivec3>& surface) {
-  for (const glm::ivec3& offset : neighbours()) {
+  for (const glm::ivec3& offset : neighbors()) {
     for (const glm::ivec3& voxel : surface) {
       const glm::ivec3 at = voxel + offset;
       if (at.x < 0 || at.y < 0 || at.z < 0 || at.x >= volume.size.x || at.y >= volume.size.y ||

@@ -115,7 +115,7 @@ Background parseBackground(const std::string& text) {
   const std::string_view bottom = colon == std::string::npos ? top : std::string_view(text).substr(colon + 1);
   if (!parseColor(top, background.top) || !parseColor(bottom, background.bottom)) {
     refuse("--background", text,
-           "R,G,B or TOP:BOTTOM of two such colours, each number from 0 to 255, or none");
+           "R,G,B or TOP:BOTTOM of two such colors, each number from 0 to 255, or none");
   }
   background.top /= 255.0f;
   background.bottom /= 255.0f;
@@ -176,7 +176,7 @@ void addItemOptions(CLI::App& app, ItemText& text) {
       ->option_text("[PART:]KNOT=x,y,z")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false);
-  app.add_option("--at", text.at, "place the model there, in metres")->option_text("x,y,z [0,0,0]");
+  app.add_option("--at", text.at, "place the model there, in meters")->option_text("x,y,z [0,0,0]");
   app.add_option("--turn", text.item.turn,
                  "turn the model about the vertical, counter-clockwise seen from above")
       ->option_text("DEGREES [0]");
@@ -277,7 +277,7 @@ void addPictureOptions(CLI::App& app, Options& options, PictureText& text) {
           ->check(CLI::Range(0, 15))
           ->option_text("N");
   app.add_option("--background", text.background,
-                 "one colour or two, or none for a transparent picture; by default a gradient")
+                 "one color or two, or none for a transparent picture; by default a gradient")
       ->option_text("R,G,B|TOP:BOTTOM|none");
 }
 

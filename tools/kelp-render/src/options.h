@@ -35,7 +35,7 @@ struct Item {
   std::string clip;
   double time = 0;
   std::vector<KnotChange> changes;
-  glm::vec3 at{0};  // metres
+  glm::vec3 at{0};  // meters
   double turn = 0;  // degrees about +y, counter-clockwise from above
   double scale = 1;
 };

@@ -29,7 +29,7 @@ vec4 kelpSurface(KelpSurface s) {
 }
 )";
 
-// A colour for each level, 0 grey, then around the circle; lit from the camera, so that the shape is seen.
+// A color for each level, 0 gray, then around the circle; lit from the camera, so that the shape is seen.
 constexpr char kLevel[] = R"(
 vec4 kelpSurface(KelpSurface s) {
   vec3 around = 0.55 + 0.4 * cos(6.2831853 * (0.618034 * float(s.level) + vec3(0.0, 0.33, 0.67)));

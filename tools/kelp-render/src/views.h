@@ -11,7 +11,7 @@ namespace kelp::render {
 
 struct ViewStyle {
   std::string surface;    // GLSL for kelp::gl::RendererOptions::surface_glsl; empty: kelp's own look
-  bool colors = false;    // linear colour, to be encoded as sRGB; else plain numbers
+  bool colors = false;    // linear color, to be encoded as sRGB; else plain numbers
   Background background;  // unless --background says otherwise
 };
 

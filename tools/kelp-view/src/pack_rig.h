@@ -32,7 +32,7 @@ struct RigAxes {
 };
 RigAxes axesOf(const Pack& pack, int part);
 
-// The part's rig as an artist would write it: a tangent that follows from the neighbours is left automatic.
+// The part's rig as an artist would write it: a tangent that follows from the neighbors is left automatic.
 RigDescription describe(const PackRig& rig, int part, const RigAxes& axes);
 // The inverse, of the descriptions of all parts. RigError for an invalid rig.
 PackRig realize(const std::vector<RigDescription>& rigs, const std::vector<RigAxes>& axes);

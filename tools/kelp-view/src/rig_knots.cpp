@@ -23,8 +23,8 @@ void forKnots(RigDescription& rig, const Each& each) {
   }
 }
 
-// Says in the clip how the automatic tangent of a knot follows its neighbours, so that it goes on the same
-// when the neighbours become others. Keys on the neighbours are left as they are: their tangents go on
+// Says in the clip how the automatic tangent of a knot follows its neighbors, so that it goes on the same
+// when the neighbors become others. Keys on the neighbors are left as they are: their tangents go on
 // following.
 void settleTangent(RigDescription::Clip& clip, const std::vector<Knot>& knots, std::uint64_t automatic,
                    int knot) {

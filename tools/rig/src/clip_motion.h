@@ -43,7 +43,7 @@ struct Harmonic {
   double b = 0;
 };
 
-// Between two neighbouring key times (of any track in the sum): a cubic in seconds since `start`.
+// Between two neighboring key times (of any track in the sum): a cubic in seconds since `start`.
 struct Piece {
   double start = 0;
   double end = 0;

@@ -18,7 +18,7 @@ std::vector<RigDescription::Knot> knotsOf(const RigDescription& rig) {
   return {{0, glm::vec3(0), std::nullopt}, {1, glm::vec3(0), std::nullopt}};
 }
 
-// Catmull-Rom: the slope between the neighbours, one-sided at the ends.
+// Catmull-Rom: the slope between the neighbors, one-sided at the ends.
 template <class V, class At, class Value>
 V automaticSlope(std::size_t i, std::size_t count, const At& at, const Value& value) {
   if (count < 2) return V(0);
@@ -36,7 +36,7 @@ std::vector<Key> realizeKeys(const RigDescription::Track& track, const glm::mat3
   for (std::size_t i = 0; i < count; ++i) {
     glm::vec4 value = map(track.keys[i].value);
     if (track.target == Target::kPartRotation) {
-      // q and -q are the same rotation: each key takes the one nearer to its neighbour, so that cubic keys do
+      // q and -q are the same rotation: each key takes the one nearer to its neighbor, so that cubic keys do
       // not pass through zero.
       value = glm::normalize(value);
       if (i > 0 && glm::dot(value, keys[i - 1].value) < 0) signs[i] = -1.0f;

@@ -74,8 +74,8 @@ Costs rigidCosts(const SkinSamples& samples, const SkinMoments& moments, const S
       }
   }
   for (const std::uint32_t i : along)
-    for (std::size_t k = samples.first_neighbour[i]; k < samples.first_neighbour[i + 1]; ++k) {
-      const auto& [other, width] = samples.neighbours[k];
+    for (std::size_t k = samples.first_neighbor[i]; k < samples.first_neighbor[i + 1]; ++k) {
+      const auto& [other, width] = samples.neighbors[k];
       // Each pair once, of two parts along the chain.
       if (other < i || labels.parts[other] == labels.parts[i] || !members.contains(labels.parts[other]))
         continue;

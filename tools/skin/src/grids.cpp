@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Boxes of voxels for parts: what each owns, and what it shares with its neighbours.
+// Boxes of voxels for parts: what each owns, and what it shares with its neighbors.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -105,22 +105,22 @@ class Overlap {
              Candidate& candidate) const {
     // Parts may also touch where they have nothing to do with each other: a hand at a leg.
     constexpr double kNear = 4;
-    const glm::dvec3 centre = glm::dvec3(at) + 0.5;
-    const SeamSteps::Place& place = seam.nearest(centre);
+    const glm::dvec3 center = glm::dvec3(at) + 0.5;
+    const SeamSteps::Place& place = seam.nearest(center);
     const glm::ivec3 surface = voxelAt(whole_.size, whole_.surface[owners_.surface[index]].index);
     candidate.is_near =
-        glm::distance(place.at, centre) <= kNear + glm::distance(glm::dvec3(surface), glm::dvec3(at));
-    candidate.reach = std::min(kShare * seam.opening(place, centre), most_) + kMore;
+        glm::distance(place.at, center) <= kNear + glm::distance(glm::dvec3(surface), glm::dvec3(at));
+    candidate.reach = std::min(kShare * seam.opening(place, center), most_) + kMore;
     candidate.steps = &(part == seam.a ? seam.steps : seam.back_steps)[place.motion];
   }
-  // Whether the part moves a voxel of its neighbour out of the solid, as the neighbour sees it. Where that
+  // Whether the part moves a voxel of its neighbor out of the solid, as the neighbor sees it. Where that
   // closes what opens, it may, as far as its own voxel does from which that one was reached.
   bool standsOut(const Candidate& candidate, float distance, const glm::ivec3& at,
                  std::uint64_t origin) const {
     const bool closes = static_cast<double>(distance) <= candidate.reach - kMore + kMoreOut;
-    const glm::dvec4 centre(glm::dvec3(at) + 0.5, 1), own(glm::dvec3(voxelAt(whole_.size, origin)) + 0.5, 1);
+    const glm::dvec4 center(glm::dvec3(at) + 0.5, 1), own(glm::dvec3(voxelAt(whole_.size, origin)) + 0.5, 1);
     return std::any_of(candidate.steps->begin(), candidate.steps->end(), [&](const glm::dmat4x3& step) {
-      const double its = outside(step * centre);
+      const double its = outside(step * center);
       return its > 0 && !(closes && its <= outside(step * own));
     });
   }

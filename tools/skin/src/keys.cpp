@@ -115,7 +115,7 @@ std::vector<glm::dvec3> outermost(const SkinSamples& samples, const std::vector<
 
 // The motion of a part within its pivot at all times.
 struct Motion {
-  std::vector<glm::dquat> turns;  // neighbours have one sign
+  std::vector<glm::dquat> turns;  // neighbors have one sign
   std::vector<glm::dvec3> shifts;
 };
 

@@ -13,7 +13,7 @@ namespace kelp::bake {
 namespace {
 
 constexpr double kLeastWeight = 0.02;  // of a part's joint, for a sample to become the part's
-constexpr double kLeastPiece = 30;     // square units; smaller pieces of parts go to their neighbours
+constexpr double kLeastPiece = 30;     // square units; smaller pieces of parts go to their neighbors
 constexpr double kLeastFall = 1e-3;    // of the energy, for another round
 constexpr int kSweeps = 12, kPieceRounds = 4;
 
@@ -71,7 +71,7 @@ void Partition::fit() {
   });
 }
 
-// A sample may go to the parts of the joints that move it, and, unless a plan says whose it is, to neighbours
+// A sample may go to the parts of the joints that move it, and, unless a plan says whose it is, to neighbors
 // of its own part.
 void Partition::findCandidates() {
   const std::size_t count = parts_.size();
@@ -128,8 +128,8 @@ double Partition::energy() const {
   return sum;
 }
 
-// Iterated conditional modes: each sample takes the part that is cheapest for it and its neighbours. Half of
-// them at a time, because neighbours that change places for ever would not settle.
+// Iterated conditional modes: each sample takes the part that is cheapest for it and its neighbors. Half of
+// them at a time, because neighbors that change places for ever would not settle.
 void Partition::relabel(int round) {
   std::vector<std::uint32_t>& now = labels_.parts;
   std::vector<std::uint32_t> next = now;
@@ -143,9 +143,8 @@ void Partition::relabel(int round) {
         for (std::size_t k = first_candidate_[i]; k < first_candidate_[i + 1]; ++k) {
           const std::uint32_t part = candidates_[k].part;
           double price = candidates_[k].cost;
-          for (std::size_t n = samples_.first_neighbour[i]; n < samples_.first_neighbour[i + 1]; ++n)
-            if (now[samples_.neighbours[n].sample] == part)
-              price -= kSeamPrice * samples_.neighbours[n].width;
+          for (std::size_t n = samples_.first_neighbor[i]; n < samples_.first_neighbor[i + 1]; ++n)
+            if (now[samples_.neighbors[n].sample] == part) price -= kSeamPrice * samples_.neighbors[n].width;
           if (part == now[i]) present = price;
           if (k == first_candidate_[i] || price < best) {
             best = price;
@@ -165,7 +164,7 @@ double Partition::costOf(std::size_t sample, std::size_t part) {
   return samples_.areas[sample] * (parts_[part].motion->cost(sample, samples_) + constants_[sample]);
 }
 
-// Every piece of a part but the largest goes to a neighbour, and so do parts that are small. True if some
+// Every piece of a part but the largest goes to a neighbor, and so do parts that are small. True if some
 // did.
 bool Partition::joinPieces() {
   constexpr std::uint32_t kNoPiece = 0xffffffffu;
@@ -187,8 +186,8 @@ bool Partition::joinPieces() {
     for (std::size_t k = 0; k < piece.members.size(); ++k) {
       const std::uint32_t i = piece.members[k];
       piece.area += samples_.areas[i];
-      for (std::size_t n = samples_.first_neighbour[i]; n < samples_.first_neighbour[i + 1]; ++n) {
-        const std::uint32_t other = samples_.neighbours[n].sample;
+      for (std::size_t n = samples_.first_neighbor[i]; n < samples_.first_neighbor[i + 1]; ++n) {
+        const std::uint32_t other = samples_.neighbors[n].sample;
         if (piece_of[other] != kNoPiece || labels_.parts[other] != piece.part) continue;
         piece_of[other] = number;
         piece.members.push_back(other);
@@ -211,8 +210,8 @@ bool Partition::joinPieces() {
     if (pieces[k].stays) continue;
     std::vector<std::uint32_t> beside;  // parts
     for (const std::uint32_t i : pieces[k].members)
-      for (std::size_t n = samples_.first_neighbour[i]; n < samples_.first_neighbour[i + 1]; ++n)
-        if (const std::uint32_t other = piece_of[samples_.neighbours[n].sample]; other != k)
+      for (std::size_t n = samples_.first_neighbor[i]; n < samples_.first_neighbor[i + 1]; ++n)
+        if (const std::uint32_t other = piece_of[samples_.neighbors[n].sample]; other != k)
           beside.push_back(pieces[other].part);
     std::sort(beside.begin(), beside.end());
     beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
@@ -301,7 +300,7 @@ void Partition::merge() {
     });
     std::stable_sort(pairs.begin(), pairs.end(),
                      [](const Pair& x, const Pair& y) { return x.gain > y.gain; });
-    // Each part once a pass: then its neighbours have changed.
+    // Each part once a pass: then its neighbors have changed.
     std::vector<bool> changed(parts_.size(), false);
     bool any = false;
     for (const Pair& pair : pairs) {

@@ -23,11 +23,11 @@ class Partition {
   Partition(const SkinSamples& samples, const SkinMoments& moments, SkinLabels labels, int threads,
             const SkinPlan* plan = nullptr);
 
-  // Rounds of fitting and labelling, as long as the energy falls: the sum of areas times costs, and the
+  // Rounds of fitting and labeling, as long as the energy falls: the sum of areas times costs, and the
   // length of the seams. Parts that lose all samples are removed.
   void improve(int rounds);
 
-  // Joins neighbours as long as that lowers the energy: parts that move alike.
+  // Joins neighbors as long as that lowers the energy: parts that move alike.
   void merge();
 
   // Gives some samples of a part to a new part of the same joint.

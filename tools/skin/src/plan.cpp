@@ -146,7 +146,7 @@ SkinLabels decomposeAsPlanned(const SkinSamples& samples, const SkinMoments& mom
   std::size_t wanted = 0;
   for (const SkinPlan::Group& group : plan.groups) wanted += group.pieces;
   std::vector<bool> given_up(plan.groups.size(), false);
-  // A cut may cost a neighbour a part, so that there may be more cuts than pieces.
+  // A cut may cost a neighbor a part, so that there may be more cuts than pieces.
   for (std::size_t cuts = 0; cuts < 2 * wanted; ++cuts) {
     const std::vector<std::size_t> counts = countParts(plan, partition.labels());
     const auto lacks = [&](std::size_t part) {

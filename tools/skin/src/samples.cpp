@@ -175,7 +175,7 @@ bool refineOnce(Points& points, double longest, std::size_t most) {
   return true;
 }
 
-void addNeighbours(SkinSamples& samples) {
+void addNeighbors(SkinSamples& samples) {
   // Where edges are cut again and again they become short; the strips beside them do not.
   constexpr double kShortest = 0.3, kLeastWidth = 0.05;
   std::vector<std::pair<EdgeKey, double>> sides;
@@ -198,18 +198,18 @@ void addNeighbours(SkinSamples& samples) {
     const double length = std::max(kShortest, glm::distance(samples.positions[a], samples.positions[b]));
     samples.edges.push_back({a, b, area * 2 / 3 / length + kLeastWidth});
   }
-  samples.first_neighbour.assign(samples.size() + 1, 0);
+  samples.first_neighbor.assign(samples.size() + 1, 0);
   for (const SkinSamples::Edge& edge : samples.edges) {
-    ++samples.first_neighbour[edge.a + 1];
-    ++samples.first_neighbour[edge.b + 1];
+    ++samples.first_neighbor[edge.a + 1];
+    ++samples.first_neighbor[edge.b + 1];
   }
-  std::partial_sum(samples.first_neighbour.begin(), samples.first_neighbour.end(),
-                   samples.first_neighbour.begin());
-  samples.neighbours.resize(samples.edges.size() * 2);
-  std::vector<std::size_t> next = samples.first_neighbour;
+  std::partial_sum(samples.first_neighbor.begin(), samples.first_neighbor.end(),
+                   samples.first_neighbor.begin());
+  samples.neighbors.resize(samples.edges.size() * 2);
+  std::vector<std::size_t> next = samples.first_neighbor;
   for (const SkinSamples::Edge& edge : samples.edges) {
-    samples.neighbours[next[edge.a]++] = {edge.b, edge.width};
-    samples.neighbours[next[edge.b]++] = {edge.a, edge.width};
+    samples.neighbors[next[edge.a]++] = {edge.b, edge.width};
+    samples.neighbors[next[edge.b]++] = {edge.a, edge.width};
   }
 }
 
@@ -257,7 +257,7 @@ SkinSamples makeSkinSamples(const TriangleSoup& soup, const SourceSkin& skin, co
     samples.weighted.insert(samples.weighted.end(), list.begin(), list.end());
     samples.first_weighted.push_back(samples.weighted.size());
   }
-  addNeighbours(samples);
+  addNeighbors(samples);
   return samples;
 }
 

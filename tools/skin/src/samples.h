@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The surface of a skin as points that are dense enough to be labelled.
+// The surface of a skin as points that are dense enough to be labeled.
 #pragma once
 
 #include <algorithm>
@@ -37,7 +37,7 @@ struct SkinSamples {
     std::uint32_t a = 0, b = 0;
     double width = 0;  // of the strip between the two: the length that a seam has there
   };
-  struct Neighbour {
+  struct Neighbor {
     std::uint32_t sample = 0;
     double width = 0;
   };
@@ -47,8 +47,8 @@ struct SkinSamples {
   std::vector<Weighted> weighted;           // each joint once
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<Edge> edges;
-  std::vector<std::size_t> first_neighbour;  // of each sample, and the end
-  std::vector<Neighbour> neighbours;
+  std::vector<std::size_t> first_neighbor;  // of each sample, and the end
+  std::vector<Neighbor> neighbors;
   double area = 0;
 
   std::size_t size() const { return positions.size(); }

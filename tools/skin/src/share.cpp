@@ -96,8 +96,8 @@ VoxelOwners shareVoxels(const SkinSamples& samples, const SkinSpace& space, cons
   std::vector<std::uint16_t> of_surface(whole.surface.size());
   parallelRanges(whole.surface.size(), 256, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const glm::dvec3 centre = glm::dvec3(voxelAt(whole.size, whole.surface[i].index)) + 0.5;
-      const Nearest nearest = bvh.nearest(centre);
+      const glm::dvec3 center = glm::dvec3(voxelAt(whole.size, whole.surface[i].index)) + 0.5;
+      const Nearest nearest = bvh.nearest(center);
       std::size_t corner = 0;
       for (std::size_t c = 1; c < 3; ++c)
         if (nearest.weights[static_cast<int>(c)] > nearest.weights[static_cast<int>(corner)]) corner = c;

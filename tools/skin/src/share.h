@@ -54,7 +54,7 @@ bool joinSmallParts(const SkinSamples& samples, const SourceSkin& skin,
 
 // The voxels of each part, with those that it shares: as many as close what opens at its seams. A rigid part
 // gets a box of the whole grid. A swept part gets its voxels straightened; `surface` says how they look, and
-// is null if no part is swept. A part does not share a voxel that would stand out of its neighbour's surface
+// is null if no part is swept. A part does not share a voxel that would stand out of its neighbor's surface
 // at one of the moments, farther than the part itself does there.
 std::vector<VoxelGrid> cutGrids(const SkinSpace& space, const PartTree& tree,
                                 const std::vector<SeamSteps>& seams, const VoxelOwners& owners,

@@ -47,9 +47,9 @@ struct Divided {
 };
 
 // Chains that begin with a joint in `stiff` are not swept. `plan` may be null.
-Divided divideAsLabelled(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
-                         const SkinSpace& space, const VoxelGrid& whole, int threads, SkinLabels labels,
-                         const SkinPlan* plan, StiffChains& stiff) {
+Divided divideAsLabeled(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
+                        const SkinSpace& space, const VoxelGrid& whole, int threads, SkinLabels labels,
+                        const SkinPlan* plan, StiffChains& stiff) {
   if (plan)
     sweepAsPlanned(samples, skin, moments, space, *plan, threads, stiff, labels);
   else
@@ -213,8 +213,8 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
   Divided divided;
   StiffChains stiff;
   do {
-    divided = divideAsLabelled(samples, skin, moments, space, whole, threads, rigid, plan ? &*plan : nullptr,
-                               stiff);
+    divided =
+        divideAsLabeled(samples, skin, moments, space, whole, threads, rigid, plan ? &*plan : nullptr, stiff);
     report(0.8);
   } while (foldsSomewhere(divided, stiff));
   SkinParts out;

@@ -11,7 +11,7 @@
 namespace kelp::bake {
 namespace {
 
-// From the part's voxels to those of the whole, and back, by the centre line of the bind pose.
+// From the part's voxels to those of the whole, and back, by the center line of the bind pose.
 class BindPose {
  public:
   BindPose(const SkinSweep& sweep, const SkinSpace& space, const VoxelGrid& whole)
@@ -24,17 +24,17 @@ class BindPose {
   glm::dmat4x3 layer(int y) const {
     return compose(place_, glm::dmat4x3(sectionAt(sweep_.arcs, static_cast<float>(y) + 0.5f)));
   }
-  // The centre of a voxel of the part, in the whole.
+  // The center of a voxel of the part, in the whole.
   glm::dvec3 inWhole(const glm::dmat4x3& layer, const glm::ivec3& at) const {
     const glm::dvec3 off = glm::dvec3(at) + 0.5 - sweep_.corner();
     return layer * glm::dvec4(off.x, 0, off.z, 1);
   }
-  // The voxel of the part where the centre of one of the whole goes; outside of it: false.
+  // The voxel of the part where the center of one of the whole goes; outside of it: false.
   bool inPart(std::uint64_t index, glm::ivec3& voxel) const {
     const glm::dmat3 axes = linearOf(place_);
-    const glm::dvec3 centre = glm::dvec3(voxelAt(whole_.size, index)) + 0.5;
+    const glm::dvec3 center = glm::dvec3(voxelAt(whole_.size, index)) + 0.5;
     const auto rest =
-        unsweepPoint(sweep_.arcs, sweep_.size, glm::vec3(glm::transpose(axes) * (centre - place_[3])));
+        unsweepPoint(sweep_.arcs, sweep_.size, glm::vec3(glm::transpose(axes) * (center - place_[3])));
     if (!rest) return false;
     voxel = glm::ivec3(glm::floor(*rest));
     return glm::all(glm::greaterThanEqual(voxel, glm::ivec3(0))) &&

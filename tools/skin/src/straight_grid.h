@@ -19,7 +19,7 @@ namespace kelp::bake {
 class MeshSurface {
  public:
   MeshSurface(const SourceModel& model, const TriangleSoup& soup, const Frame& frame)
-      : mesh_(analyse(soup, frame, Fill::kAuto)), bvh_(mesh_), look_(model, soup, mesh_) {}
+      : mesh_(analyze(soup, frame, Fill::kAuto)), bvh_(mesh_), look_(model, soup, mesh_) {}
 
   // Of the mesh, not of what closes its holes.
   Nearest nearest(const glm::dvec3& point) const;
@@ -33,8 +33,8 @@ class MeshSurface {
   SurfaceLook look_;
 };
 
-// The voxels `list` of the whole grid, straightened. A voxel of the part is solid if its centre is within the
-// surface there; and where a thin wall would be lost by that, the voxel that its voxel's centre goes to.
+// The voxels `list` of the whole grid, straightened. A voxel of the part is solid if its center is within the
+// surface there; and where a thin wall would be lost by that, the voxel that its voxel's center goes to.
 VoxelGrid straightGrid(const SkinSweep& sweep, const SkinSpace& space, const MeshSurface& surface,
                        const std::vector<std::uint64_t>& list, const VoxelOwners& owners,
                        const VoxelGrid& whole, int threads);

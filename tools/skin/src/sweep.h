@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A chain of joints as one swept part: its centre line in the bind pose, and what a pose makes of it.
+// A chain of joints as one swept part: its center line in the bind pose, and what a pose makes of it.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace kelp::bake {
 
-// A swept part in the bind pose. In its part space, in voxels, the centre line begins at (X / 2, 0, Z / 2)
+// A swept part in the bind pose. In its part space, in voxels, the center line begins at (X / 2, 0, Z / 2)
 // and leaves along +y; there it is as bent as in the bind pose. Its voxels are straight.
 struct SkinSweep {
   glm::ivec3 size{0};       // voxels, straight
@@ -33,7 +33,7 @@ struct SkinSweep {
   glm::vec3 straightened(const glm::dvec3& at) const;
 };
 
-// The centre line goes through the middles of the samples `members` around the joints' line, in equal steps,
+// The center line goes through the middles of the samples `members` around the joints' line, in equal steps,
 // and some way beyond both ends. nullopt if the part would fold in the bind pose, or all joints are in one
 // place.
 std::optional<SkinSweep> makeSweep(const SkinSamples& samples, const SourceSkin& skin, const SkinSpace& space,

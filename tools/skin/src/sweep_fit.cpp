@@ -30,7 +30,7 @@ struct SweepFit::Curve {
 
 // The points under a curve: their section's place and direction, and where they come to be.
 struct SweepFit::Reached {
-  std::vector<glm::dvec3> centres, along, places;
+  std::vector<glm::dvec3> centers, along, places;
   double error = 0;  // the sum of area times squared distance
 };
 
@@ -90,7 +90,7 @@ SweepFit::Curve SweepFit::begin(const std::vector<glm::dvec3>& drawn) const {
   each([&](Sums& sum, double weight, std::size_t i) {
     sum.cross += weight * glm::outerProduct(drawn[i] - sum.to, rest[i] - sum.from);
   });
-  // Knots beyond the surface move as their neighbours do.
+  // Knots beyond the surface move as their neighbors do.
   for (std::size_t k = 1; k < count; ++k)
     if (!(sums[k].weight > 0)) sums[k] = sums[k - 1];
   for (std::size_t k = count - 1; k-- > 0;)
@@ -118,7 +118,7 @@ std::vector<Knot> SweepFit::knotsOf(const Curve& curve) const {
   return knots;
 }
 
-// Also turns the whole about the centre line so that it fits best.
+// Also turns the whole about the center line so that it fits best.
 std::optional<SweepFit::Reached> SweepFit::reach(Curve& curve, const std::vector<glm::dvec3>& drawn) const {
   // Thin: whether the part folds is asked in the end.
   ArcChain arcs;
@@ -134,10 +134,10 @@ std::optional<SweepFit::Reached> SweepFit::reach(Curve& curve, const std::vector
     const glm::dvec3 straight(points_[i].straight), along = frame * section[1];
     const glm::dvec3 r =
         frame * ((straight.x - corner.x) * section[0] + (straight.z - corner.z) * section[2]);
-    out.centres.push_back(curve.places[0] + frame * (section[3] - thin_corner));
+    out.centers.push_back(curve.places[0] + frame * (section[3] - thin_corner));
     out.along.push_back(along);
     across.push_back(r);
-    const glm::dvec3 to = drawn[i] - out.centres.back();
+    const glm::dvec3 to = drawn[i] - out.centers.back();
     cosine += points_[i].area * (glm::dot(r, to) - glm::dot(r, along) * glm::dot(along, to));
     sine += points_[i].area * glm::dot(glm::cross(along, r), to);
   }
@@ -150,14 +150,14 @@ std::optional<SweepFit::Reached> SweepFit::reach(Curve& curve, const std::vector
     cosine = 1;
   }
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    out.places.push_back(out.centres[i] + cosine * across[i] + sine * glm::cross(out.along[i], across[i]));
+    out.places.push_back(out.centers[i] + cosine * across[i] + sine * glm::cross(out.along[i], across[i]));
     const glm::dvec3 off = drawn[i] - out.places[i];
     out.error += points_[i].area * glm::dot(off, off);
   }
   return out;
 }
 
-// Gauss and Newton: as if sections turned with the centre line alone.
+// Gauss and Newton: as if sections turned with the center line alone.
 SweepFit::Curve SweepFit::step(const Curve& curve, const Reached& reached,
                                const std::vector<glm::dvec3>& drawn, double stiffness) const {
   const std::size_t count = curve.places.size();
@@ -167,13 +167,13 @@ SweepFit::Curve SweepFit::step(const Curve& curve, const Reached& reached,
     const double t = point.t, t2 = t * t, t3 = t2 * t;
     const double width = static_cast<double>(sweep_.knots[point.span + 1].at) -
                          static_cast<double>(sweep_.knots[point.span].at);
-    // Of the place and the slope of both knots: what a unit does to the centre, and to its derivative by t.
+    // Of the place and the slope of both knots: what a unit does to the center, and to its derivative by t.
     const double values[4] = {2 * t3 - 3 * t2 + 1, (t3 - 2 * t2 + t) * width, 3 * t2 - 2 * t3,
                               (t3 - t2) * width};
     const double slopes[4] = {6 * t2 - 6 * t, (3 * t2 - 4 * t + 1) * width, 6 * t - 6 * t2,
                               (3 * t2 - 2 * t) * width};
     const glm::dvec3& along = reached.along[i];
-    const glm::dvec3 across = reached.places[i] - reached.centres[i];
+    const glm::dvec3 across = reached.places[i] - reached.centers[i];
     const double speed =
         std::max(glm::distance(curve.places[point.span], curve.places[point.span + 1]), 1e-6);
     std::array<glm::dmat3, 4> effects;

@@ -15,7 +15,7 @@
 
 namespace kelp::bake {
 
-// Linear least squares whose unknowns each meet only near ones: twelve neighbours at a time, four vectors.
+// Linear least squares whose unknowns each meet only near ones: twelve neighbors at a time, four vectors.
 class NormalEquations {
  public:
   explicit NormalEquations(std::size_t unknowns);

@@ -148,9 +148,9 @@ PartTree hangParts(const SkinSamples& samples, const SourceSkin& skin, const Ski
   }
   std::map<std::pair<std::uint32_t, std::uint32_t>, glm::dvec3> middles;
   for (const Seam& seam : findSeams(samples, labels)) middles[{seam.a, seam.b}] = seam.middle;
-  std::vector<glm::dvec3> centres(labels.joints.size(), glm::dvec3(0));
+  std::vector<glm::dvec3> centers(labels.joints.size(), glm::dvec3(0));
   for (std::size_t i = 0; i < samples.size(); ++i)
-    centres[labels.parts[i]] += samples.areas[i] / areas[labels.parts[i]] * samples.positions[i];
+    centers[labels.parts[i]] += samples.areas[i] / areas[labels.parts[i]] * samples.positions[i];
 
   std::set<std::string> names;
   const std::vector<std::vector<std::uint32_t>> members = labels.members();
@@ -165,7 +165,7 @@ PartTree hangParts(const SkinSamples& samples, const SourceSkin& skin, const Ski
     } else if (main[labels.joints[p]] != p) {
       const auto parent = static_cast<std::uint32_t>(std::max(0, tree.parents[p]));
       const auto seam = middles.find({std::min(p, parent), std::max(p, parent)});
-      pivot = seam == middles.end() ? centres[p] : seam->second;
+      pivot = seam == middles.end() ? centers[p] : seam->second;
     }
     tree.pivots.push_back(pivot);
     tree.places.push_back(placeOnParent(tree, p));

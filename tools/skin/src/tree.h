@@ -11,7 +11,7 @@
 
 namespace kelp::bake {
 
-// Where samples of two parts are neighbours.
+// Where samples of two parts are neighbors.
 struct Seam {
   std::uint32_t a = 0, b = 0;  // parts, a < b
   double length = 0;

@@ -25,7 +25,7 @@ constexpr double kAside = 0.5;
 // A sheet in the open has as many empty voxels before it as behind, but for the noise of its steps; one that
 // lies on a body has 9 more on the open side. Beyond this mean difference it is known which side is seen.
 constexpr double kHiddenSide = 2.0;
-// Depth of the look into a voxel, from the middle of its neighbour.
+// Depth of the look into a voxel, from the middle of its neighbor.
 constexpr double kDeep = 1.5;
 // Surfaces of one body that look this way alike may stand for each other.
 constexpr double kAlike = 0.3;
@@ -60,24 +60,24 @@ class Sampler {
   SurfaceSample sample(std::uint64_t index, const TriangleBvh::Around& around, std::uint32_t& guess,
                        SheetVote& vote) const {
     const glm::ivec3 voxel = voxelAt(size_, index);
-    const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
-    const std::uint32_t around_it = neighbourMask(voxels_, size_, voxel);
+    const glm::dvec3 center = glm::dvec3(voxel) + 0.5;
+    const std::uint32_t around_it = neighborMask(voxels_, size_, voxel);
     const glm::dvec3 open = openSide(around_it);
 
-    Nearest nearest = nearestTo(centre, around, guess);
+    Nearest nearest = nearestTo(center, around, guess);
     guess = nearest.triangle;
     if (voxels_[index] == kInside && mesh_.triangles[nearest.triangle].wall) {
       // Within a body a wall is not seen, however near.
-      nearest = bvh_.nearest(centre, std::numeric_limits<double>::infinity(),
+      nearest = bvh_.nearest(center, std::numeric_limits<double>::infinity(),
                              [&](std::uint32_t i) { return !mesh_.triangles[i].wall; });
     }
-    glm::dvec3 normal = outward(nearest, centre, index, open);
+    glm::dvec3 normal = outward(nearest, center, index, open);
     // The nearest surface may be hidden: inside a body, under a roof, in a crack.
-    const Sides sides = sidesOf(centre, around_it, around);
+    const Sides sides = sidesOf(center, around_it, around);
     if (sides.count > 0 && !isSeen(sides, nearest, normal)) {
       nearest.squared = std::numeric_limits<double>::infinity();
       for (const Side* side = sides.side; side != sides.side + sides.count; ++side) {
-        const Nearest its = on(side->triangle, centre);
+        const Nearest its = on(side->triangle, center);
         if (its.squared >= nearest.squared) continue;
         nearest = its;
         normal = side->normal;
@@ -91,16 +91,16 @@ class Sampler {
       vote.turned = mesh_.triangles[nearest.triangle].swapped;
       vote.open = static_cast<float>(glm::dot(normal, open));
       vote.visible =
-          static_cast<int>(leadsOutside(centre, normal)) - static_cast<int>(leadsOutside(centre, -normal));
+          static_cast<int>(leadsOutside(center, normal)) - static_cast<int>(leadsOutside(center, -normal));
     } else if (const Side* far = farSide(sides, nearest, normal);
-               far != nullptr && showsFar(centre, normal, far->normal)) {
-      nearest = on(far->triangle, centre);
+               far != nullptr && showsFar(center, normal, far->normal)) {
+      nearest = on(far->triangle, center);
       normal = far->normal;
     } else if (sides.count == 0 && glm::dot(normal, open) < -0.1 * glm::length(open)) {
       normal = glm::normalize(open);
     }
     if (mesh_.triangles[nearest.triangle].source == kCap) {
-      nearest = bvh_.nearest(centre, std::numeric_limits<double>::infinity(),
+      nearest = bvh_.nearest(center, std::numeric_limits<double>::infinity(),
                              [&](std::uint32_t i) { return mesh_.triangles[i].source != kCap; });
     }
 
@@ -117,15 +117,15 @@ class Sampler {
     return mesh_.components[mesh_.triangles[triangle].component].solid;
   }
 
-  Nearest nearestTo(const glm::dvec3& centre, const TriangleBvh::Around& around, std::uint32_t guess) const {
+  Nearest nearestTo(const glm::dvec3& center, const TriangleBvh::Around& around, std::uint32_t guess) const {
     Nearest within;
     within.squared = kNear * kNear;
     if (guess != kCap) {
-      const Nearest guessed = on(guess, centre);
+      const Nearest guessed = on(guess, center);
       if (guessed.squared < within.squared) within = guessed;
     }
-    const Nearest nearest = bvh_.nearest(around, centre, within);
-    return nearest.triangle != kCap ? nearest : bvh_.nearest(centre);
+    const Nearest nearest = bvh_.nearest(around, center, within);
+    return nearest.triangle != kCap ? nearest : bvh_.nearest(center);
   }
 
   // Along the triangle's normal, as long as twice its area.
@@ -165,21 +165,21 @@ class Sampler {
   }
 
   // True if a ray from a voxel meets no other on its way out of the box.
-  bool leadsOutside(const glm::dvec3& centre, const glm::dvec3& direction) const {
-    for (double at = 2.0;; at += 1.0) {  // beyond the voxel's own neighbours
-      const glm::ivec3 v(glm::floor(centre + at * direction));
+  bool leadsOutside(const glm::dvec3& center, const glm::dvec3& direction) const {
+    for (double at = 2.0;; at += 1.0) {  // beyond the voxel's own neighbors
+      const glm::ivec3 v(glm::floor(center + at * direction));
       if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= size_.x || v.y >= size_.y || v.z >= size_.z) return true;
       if (voxels_[denseIndex(size_, v)] != kEmpty) return false;
     }
   }
 
   // True if some way within 60 degrees of a surface's normal leads out of the box.
-  bool isSeenFrom(const glm::dvec3& centre, const glm::dvec3& normal) const {
-    if (leadsOutside(centre, normal)) return true;
+  bool isSeenFrom(const glm::dvec3& center, const glm::dvec3& normal) const {
+    if (leadsOutside(center, normal)) return true;
     for (int cell = 0; cell < 27; ++cell) {
       const glm::dvec3 way(cell % 3 - 1, cell / 3 % 3 - 1, cell / 9 - 1);
       if (cell != 13 && glm::dot(way, normal) > kWithin * glm::length(way) &&
-          leadsOutside(centre, glm::normalize(way)))
+          leadsOutside(center, glm::normalize(way)))
         return true;
     }
     return false;
@@ -194,14 +194,14 @@ class Sampler {
     Side side[6];
     int count = 0;
   };
-  Sides sidesOf(const glm::dvec3& centre, std::uint32_t solid, const TriangleBvh::Around& around) const {
+  Sides sidesOf(const glm::dvec3& center, std::uint32_t solid, const TriangleBvh::Around& around) const {
     constexpr std::uint32_t kBeside[6] = {1u << 12, 1u << 14, 1u << 10, 1u << 16, 1u << 4, 1u << 22};
     Sides sides;
     for (int face = 0; face < 6; ++face) {
       const int axis = face / 2, sign = face % 2 ? 1 : -1;
       if (solid & kBeside[face]) continue;
-      glm::dvec3 before = centre + kAskew;
-      before[axis] = centre[axis] + sign;
+      glm::dvec3 before = center + kAskew;
+      before[axis] = center[axis] + sign;
       // Bodies are not left through their skin, and sheets are looked through where they are cut out.
       const Nearest seen = bvh_.first(around, before, axis, -sign, kDeep, [&](const Nearest& hit) {
         return isSolid(hit.triangle) ? area(hit.triangle)[axis] * sign > 0 : !look_.isCutOut(hit);
@@ -214,13 +214,13 @@ class Sampler {
   }
 
   // The point of a triangle nearest to a voxel's middle.
-  Nearest on(std::uint32_t triangle, const glm::dvec3& centre) const {
+  Nearest on(std::uint32_t triangle, const glm::dvec3& center) const {
     const auto& v = mesh_.triangles[triangle].vertex;
     Nearest nearest;
     nearest.triangle = triangle;
-    nearest.point = nearestOnTriangle(centre, mesh_.position(v[0]), mesh_.position(v[1]),
+    nearest.point = nearestOnTriangle(center, mesh_.position(v[0]), mesh_.position(v[1]),
                                       mesh_.position(v[2]), nearest.weights);
-    nearest.squared = glm::dot(nearest.point - centre, nearest.point - centre);
+    nearest.squared = glm::dot(nearest.point - center, nearest.point - center);
     return nearest;
   }
 
@@ -253,13 +253,13 @@ class Sampler {
   // True if a plate is seen from its far side alone, or, if from both or from neither, that is its upper
   // side; of an upright plate, the side towards kShown. The nearer side changes from voxel to voxel, and
   // would make stripes.
-  bool showsFar(const glm::dvec3& centre, const glm::dvec3& normal, const glm::dvec3& far) const {
-    const bool near_seen = isSeenFrom(centre, normal), far_seen = isSeenFrom(centre, far);
+  bool showsFar(const glm::dvec3& center, const glm::dvec3& normal, const glm::dvec3& far) const {
+    const bool near_seen = isSeenFrom(center, normal), far_seen = isSeenFrom(center, far);
     if (near_seen != far_seen) return far_seen;
     return glm::dot(far - normal, kShown) > 0;
   }
 
-  glm::dvec3 outward(const Nearest& nearest, const glm::dvec3& centre, std::uint64_t index,
+  glm::dvec3 outward(const Nearest& nearest, const glm::dvec3& center, std::uint64_t index,
                      const glm::dvec3& open) const {
     glm::dvec3 normal;
     if (!isSolid(nearest.triangle)) {
@@ -267,7 +267,7 @@ class Sampler {
       // it lies in the skin of a body
       if (voxels_[index] == kInside && glm::dot(normal, open) < 0) normal = -normal;
     } else if (const double distance = std::sqrt(nearest.squared); distance > kTooNear) {
-      normal = (voxels_[index] == kInside ? nearest.point - centre : centre - nearest.point) / distance;
+      normal = (voxels_[index] == kInside ? nearest.point - center : center - nearest.point) / distance;
     } else {
       normal = faceNormal(nearest.triangle);
     }

@@ -12,7 +12,7 @@ namespace kelp::bake {
 
 // One sample a surface voxel (`surface`, ascending dense indices). Normals are the gradient of the signed
 // distance, taken from the exact nearest point; on sheets the triangle's normal as wound, turned for a sheet
-// as a whole if a body lies before it. Colours never come from the cap of a hole, nor from where a sheet is
+// as a whole if a body lies before it. Colors never come from the cap of a hole, nor from where a sheet is
 // cut out if another passes through the voxel.
 std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology& mesh,
                                          const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels,

@@ -36,9 +36,9 @@ void cutOutVoxels(const SurfaceLook& look, const TriangleBvh& bvh, const glm::iv
           for (std::size_t x = 0; x < row; ++x) {
             std::uint8_t& voxel = voxels[line * row + x];
             if (voxel != kKept) continue;
-            const glm::dvec3 centre = glm::dvec3(glm::u64vec3(x, line % rows, line / rows)) + 0.5;
+            const glm::dvec3 center = glm::dvec3(glm::u64vec3(x, line % rows, line / rows)) + 0.5;
             // The nearest sheet first: most voxels have one, and need no search among several.
-            if (look.isCutOut(bvh.nearest(centre)) && look.nearestShown(bvh, centre).triangle == kCap)
+            if (look.isCutOut(bvh.nearest(center)) && look.nearestShown(bvh, center).triangle == kCap)
               voxel = kEmpty;
           }
         }
@@ -82,7 +82,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
     return [&report, begin, end](double done) { report(begin + (end - begin) * done); };
   };
   report(0.0);
-  const Topology mesh = analyse(part.soup, frame, fill, threads);
+  const Topology mesh = analyze(part.soup, frame, fill, threads);
   report(0.15);
   std::vector<std::uint8_t> voxels(denseCount(frame.size), kEmpty);
   const std::vector<Scanned> scanned = fillScanlines(mesh, frame.size, threads, voxels);

@@ -59,7 +59,7 @@ double fitVoxelSize(double extent_y, double wanted) {
 }
 
 Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const std::string& what,
-                double metres) {
+                double meters) {
   if (!(voxel_size > 0) || !std::isfinite(voxel_size)) {
     throw ToolError(
         Exit::kUsage,
@@ -79,8 +79,8 @@ Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const st
     throw ToolError(Exit::kUsage,
                     fmt::format("{}: voxels of {:.6g} m make {:.0f} along the longest side, {} is the limit; "
                                 "use --voxel-size {:.4g} or more",
-                                what, voxel_size * metres, std::ceil(longest / voxel_size), kMaxResolution,
-                                std::nextafter(longest / kMaxResolution, longest) * 1.001 * metres));
+                                what, voxel_size * meters, std::ceil(longest / voxel_size), kMaxResolution,
+                                std::nextafter(longest / kMaxResolution, longest) * 1.001 * meters));
   }
   // A part that is not flat along an axis cannot be farther than this along it: 8192 voxels are 2^13, a float
   // has 24 digits.

@@ -44,7 +44,7 @@ bool ascends(const GltfModel& model, const std::vector<float>& times, float time
   return times.empty() || time > times.back();
 }
 
-// Normalises a quaternion in doubles, where any length fits. One without a length is the identity, as for
+// Normalizes a quaternion in doubles, where any length fits. One without a length is the identity, as for
 // nodes.
 void makeUnit(GltfChannel& channel) {
   for (std::size_t i = 0; i < channel.values.size(); ++i) {

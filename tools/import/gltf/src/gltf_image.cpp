@@ -48,7 +48,7 @@ const Image* GltfImages::texture(int texture, const std::string& user) {
            "has only a KTX2 picture (KHR_texture_basisu), which kelp does not read; export it as PNG, JPEG "
            "or WebP, "
            "or with one of these as its source");
-  model_.noteOnce(place + ": names no PNG, JPEG or WebP picture: the colour factor alone is used");
+  model_.noteOnce(place + ": names no PNG, JPEG or WebP picture: the color factor alone is used");
   return nullptr;
 }
 
@@ -86,7 +86,7 @@ Image GltfImages::decode(std::size_t index) {
     budget_.take(imageSize(bytes), place);
     auto image = decodeImage(bytes, source.name.empty() && !data_uri ? uri : source.name);
     if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
-    model_.note(place + ": " + std::get<std::string>(image) + ": the colour factor alone is used");
+    model_.note(place + ": " + std::get<std::string>(image) + ": the color factor alone is used");
   } catch (const ToolError& error) {
     // A path that leaves the folder is refused. The model is baked without a picture that is on the web or
     // damaged.
@@ -94,7 +94,7 @@ Image GltfImages::decode(std::size_t index) {
     const bool is_reference = !uri.empty() && !data_uri;
     const ToolError placed = is_reference ? inPlace(*model_.files, place, error) : error;
     if (error.exit == Exit::kInvalid && is_reference && !isOnTheWeb(uri)) throw placed;
-    model_.note(std::string(placed.what()) + ": the colour factor alone is used");
+    model_.note(std::string(placed.what()) + ": the color factor alone is used");
   }
   return {};
 }

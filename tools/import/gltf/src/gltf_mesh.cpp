@@ -84,7 +84,7 @@ class PrimitiveReader {
         std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])}));
   }
 
-  // Long: it reads corners, colours, coordinates, morphs and weights of a primitive in one pass over its
+  // Long: it reads corners, colors, coordinates, morphs and weights of a primitive in one pass over its
   // triangles, and they share what is decided before.
   void read(const tinygltf::Primitive& primitive, const std::string& place,
             const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup) {

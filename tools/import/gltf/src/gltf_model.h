@@ -43,7 +43,7 @@ struct GltfModel {
   tinygltf::Model data;  // without buffers and images, which are here:
   std::unique_ptr<GltfBuffers> buffers;
   std::vector<GltfDocument::Source> images;
-  // for accessors that Draco rounded: the distance between two neighbouring values
+  // for accessors that Draco rounded: the distance between two neighboring values
   std::map<int, float> draco_steps;
   int scene = -1;                 // the scene to bake; -1: the file has none, and every node counts
   std::vector<int> parents;       // of each node, -1: a root
@@ -93,14 +93,14 @@ glm::dmat4 localMatrix(const tinygltf::Node& node);
 struct GltfValues {
   std::size_t count = 0;
   int components = 0;
-  std::vector<float> values;  // components each; normalised integers scaled
+  std::vector<float> values;  // components each; normalized integers scaled
   float at(std::size_t element, int component) const {
     return values[element * static_cast<std::size_t>(components) + static_cast<std::size_t>(component)];
   }
 };
-// With `fractions`, integers are normalised even if the file does not say so.
+// With `fractions`, integers are normalized even if the file does not say so.
 GltfValues readValues(const GltfModel& model, int accessor, const std::string& user, bool fractions = false);
-// The distance between two neighbouring values of an accessor, to which a compressor rounded. 0: floats that
+// The distance between two neighboring values of an accessor, to which a compressor rounded. 0: floats that
 // were not rounded.
 float stepOf(const GltfModel& model, int accessor);
 // Whether the accessor was rounded by Draco, on a grid of its own.

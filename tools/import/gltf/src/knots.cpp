@@ -198,8 +198,8 @@ std::optional<RigDescription> knotRig(const GltfModel& model, int node, const st
     knot.at = places[i];
     if (i > 0 && !(knot.at > places[i - 1])) {
       model.note(knot_name +
-                 (swept ? std::string(" lies on its neighbour")
-                        : " does not lie between its neighbours along the " +
+                 (swept ? std::string(" lies on its neighbor")
+                        : " does not lie between its neighbors along the " +
                               std::string(toString(*rig.axis)) + " axis") +
                  ": no rig is made of the knots; put them in order");
       return std::nullopt;

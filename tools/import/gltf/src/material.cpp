@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Materials of a glTF file: base colour, emission, metal and roughness, with their textures.
+// Materials of a glTF file: base color, emission, metal and roughness, with their textures.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -42,7 +42,7 @@ class MaterialReader {
                                                       : Alpha::kIgnore;
     const bool unlit = member(source.extensions, "KHR_materials_unlit") != nullptr;
     if (unlit) {
-      // The colour of the file is meant as it is seen. The metal that a file without factors implies would
+      // The color of the file is meant as it is seen. The metal that a file without factors implies would
       // darken it.
       material.metallic = 0;
       material.roughness = 1;
@@ -113,8 +113,8 @@ class MaterialReader {
     return base;
   }
 
-  // The older workflow. A material whose means make it a metal has its colour in the specular half, every
-  // other in the diffuse half. Without any specular values the diffuse colour is taken, although the default
+  // The older workflow. A material whose means make it a metal has its color in the specular half, every
+  // other in the diffuse half. Without any specular values the diffuse color is taken, although the default
   // is a white mirror.
   BaseColor specularGlossiness(const tinygltf::Value& value, const std::string& place) {
     const TextureUse diffuse = textureUse(value, "diffuseTexture"),
@@ -210,7 +210,7 @@ class MaterialReader {
     return move * rotate * stretch;
   }
 
-  // `colors`: the picture holds sRGB colours, not plain numbers.
+  // `colors`: the picture holds sRGB colors, not plain numbers.
   SurfaceMap readMap(const TextureUse& texture, Alpha alpha, float cutoff, bool colors,
                      const std::string& place, GltfMaterialUse& use) {
     SurfaceMap map;
@@ -330,7 +330,7 @@ class MaterialReader {
     return alphaOf(material.texture).least < 255;
   }
 
-  // The mean of a picture's texels, its colours in linear light.
+  // The mean of a picture's texels, its colors in linear light.
   glm::vec4 meanOf(const Image& image) {
     const auto [at, fresh] = means_.try_emplace(&image);
     if (!fresh) return at->second;

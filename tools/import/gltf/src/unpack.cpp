@@ -86,7 +86,7 @@ std::vector<std::uint8_t> decodeMeshopt(const GltfModel& model, std::span<const 
   return out;
 }
 
-// The largest value of normalised integers; 1 for other types. The accessor says whether they are normalised:
+// The largest value of normalized integers; 1 for other types. The accessor says whether they are normalized:
 // not every encoder writes it into the stream.
 float fractionScale(const GltfModel& model, const tinygltf::Primitive& primitive, const std::string& name,
                     const std::string& place) {

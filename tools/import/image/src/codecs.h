@@ -26,7 +26,7 @@ bool isPng(std::span<const std::uint8_t> bytes);
 std::variant<Image, std::string> decodePng(std::span<const std::uint8_t> bytes, const std::string& name);
 glm::ivec2 pngSize(std::span<const std::uint8_t> bytes);
 
-// JPEG, baseline or progressive: grey, YCbCr, RGB, and CMYK as Adobe stores it. Profiles and orientation are
+// JPEG, baseline or progressive: gray, YCbCr, RGB, and CMYK as Adobe stores it. Profiles and orientation are
 // ignored.
 bool isJpeg(std::span<const std::uint8_t> bytes);
 std::variant<Image, std::string> decodeJpeg(std::span<const std::uint8_t> bytes, const std::string& name);

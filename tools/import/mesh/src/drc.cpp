@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Draco files: a mesh with positions, and colours as draco_encoder writes them from PLY.
+// Draco files: a mesh with positions, and colors as draco_encoder writes them from PLY.
 #include <algorithm>
 
 #include "kelp/common/error.h"
@@ -36,7 +36,7 @@ void readDrc(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
     for (std::size_t c = 0; c < width; ++c)
       color[static_cast<int>(c)] =
           std::clamp(colors->second.values[width * point + c] / colors->second.largest, 0.0f, 1.0f);
-    if (width < 3) color = {color.x, color.x, color.x, 1};  // grey
+    if (width < 3) color = {color.x, color.x, color.x, 1};  // gray
     return glm::vec4(srgbToLinear(color.r), srgbToLinear(color.g), srgbToLinear(color.b), color.a);
   };
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

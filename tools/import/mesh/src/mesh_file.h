@@ -15,7 +15,7 @@ namespace kelp::bake {
 // Wavefront OBJ with MTL. `max_memory` as in ImportSettings, for its pictures.
 void readObj(const InputFiles& files, std::span<const std::uint8_t> bytes, std::uint64_t max_memory,
              SourceModel& out, SoupBuilder& soup);
-// PLY 1.0: ASCII and binary of either byte order, vertex and face colours.
+// PLY 1.0: ASCII and binary of either byte order, vertex and face colors.
 void readPly(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out,
              SoupBuilder& soup);
 // STL, ASCII and binary.
@@ -25,17 +25,17 @@ void readStl(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
 void readOff(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out,
              SoupBuilder& soup);
 
-// Draco files: a mesh's positions and colours.
+// Draco files: a mesh's positions and colors.
 void readDrc(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out,
              SoupBuilder& soup);
 
-// The vertices of a mesh of polygons. Colours are linear; there are none or one for each vertex.
+// The vertices of a mesh of polygons. Colors are linear; there are none or one for each vertex.
 struct IndexedMesh {
   std::vector<glm::dvec3> positions;
   std::vector<glm::vec4> colors;
 };
 // Adds a polygon to the soup as triangles, relative to the soup's origin. `corners` index the mesh's vertices
-// and are checked. `face_color` may be null; it multiplies the vertices' colours. Answers what is wrong with
+// and are checked. `face_color` may be null; it multiplies the vertices' colors. Answers what is wrong with
 // the polygon, or nothing.
 [[nodiscard]] std::string addPolygon(const IndexedMesh& mesh, std::span<const std::int64_t> corners,
                                      const glm::vec4* face_color, SoupBuilder& soup);

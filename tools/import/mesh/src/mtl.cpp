@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Materials of OBJ files: Kd and map_Kd become the base colour, d or Tr its alpha, Ke and map_Ke the
+// Materials of OBJ files: Kd and map_Kd become the base color, d or Tr its alpha, Ke and map_Ke the
 // emission, Pr and map_Pr, Pm and map_Pm roughness and metal.
 #include "mtl.h"
 
@@ -18,7 +18,7 @@
 namespace kelp::bake {
 namespace {
 
-// Every program that writes Kd means a display colour (sRGB).
+// Every program that writes Kd means a display color (sRGB).
 glm::vec3 toLinear(glm::vec3 color) {
   color = glm::clamp(color, 0.0f, 1.0f);
   return {srgbToLinear(color.r), srgbToLinear(color.g), srgbToLinear(color.b)};
@@ -233,10 +233,10 @@ class MtlReader {
       auto image = decodeImage(bytes, oneLine(reference, 80));
       if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
       out_.notices.push_back(name_ + ": texture " + oneLine(reference, 80) + " " +
-                             std::get<std::string>(image) + ": the colour alone is used");
+                             std::get<std::string>(image) + ": the color alone is used");
     } catch (const ToolError& error) {
       if (isOfTheMachine(error)) throw;
-      out_.notices.push_back(std::string(error.what()) + ": the colour alone is used");
+      out_.notices.push_back(std::string(error.what()) + ": the color alone is used");
     }
     return std::nullopt;
   }

@@ -88,7 +88,7 @@ class ObjReader {
     if (count < 3) refuseLine("a vertex needs three numbers");
     positions_.emplace_back(value[0], value[1], value[2]);
     // "x y z r g b", as ZBrush, MeshLab and Blender write it; some files have "x y z w r g b". A vertex
-    // without a colour is white.
+    // without a color is white.
     glm::vec3 color(1);
     if (count >= 6) {
       const std::size_t first = count >= 7 ? 4 : 3;

@@ -76,7 +76,7 @@ class OffReader {
     return *value;
   }
 
-  // Three or four numbers: integers from 0 to 255 or fractions from 0 to 1. Display colours, as Geomview
+  // Three or four numbers: integers from 0 to 255 or fractions from 0 to 1. Display colors, as Geomview
   // shows them.
   static std::optional<glm::vec4> color(std::string_view line) {
     glm::vec4 value(1);
@@ -88,7 +88,7 @@ class OffReader {
       whole = whole && parseInteger(word).has_value();
       value[channels++] = *channel;
     }
-    if (channels < 3) return std::nullopt;  // an index into a colour map
+    if (channels < 3) return std::nullopt;  // an index into a color map
     if (whole) {
       value /= 255.0f;
       if (channels == 3) value.a = 1;

@@ -45,7 +45,7 @@ std::size_t sizeOf(Type type) {
   }
 }
 
-// The largest value of a colour channel of this type.
+// The largest value of a color channel of this type.
 double fullScale(Type type) {
   return type == Type::kFloat || type == Type::kDouble   ? 1.0
          : type == Type::kUint16 || type == Type::kInt16 ? 65535.0
@@ -256,7 +256,7 @@ class PlyReader {
     }
   }
 
-  // Colours are display colours (sRGB), as viewers of the format show them.
+  // Colors are display colors (sRGB), as viewers of the format show them.
   struct ColorColumns {
     std::array<int, 4> at{};
     bool any() const { return at[0] >= 0 && at[1] >= 0 && at[2] >= 0; }

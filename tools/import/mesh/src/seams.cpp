@@ -35,7 +35,7 @@ std::vector<std::uint32_t> openVertices(const TriangleSoup& soup) {
   return open;
 }
 
-// Points in cells as wide as the longest reach: near points are in the same or a neighbouring cell.
+// Points in cells as wide as the longest reach: near points are in the same or a neighboring cell.
 class Seams {
  public:
   Seams(const std::vector<glm::vec3>& positions, const std::vector<std::uint32_t>& piece,
@@ -91,7 +91,7 @@ class Seams {
   }
 
   // Cells that share a number only cost time, because distances decide. Far from the origin and with a fine
-  // step, cells have more digits than an integer; there neighbours may share a number, because floats cannot
+  // step, cells have more digits than an integer; there neighbors may share a number, because floats cannot
   // be that near to each other.
   static std::uint64_t hash(const glm::dvec3& cell) {
     std::uint64_t value = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// STL. A binary file is recognised by its count, not by its first word: many begin with "solid" too. Keywords
+// STL. A binary file is recognized by its count, not by its first word: many begin with "solid" too. Keywords
 // of text files may be in upper or lower case.
 #include <algorithm>
 #include <cstring>
@@ -45,8 +45,8 @@ void addFacet(const InputFiles& files, const std::array<glm::vec3, 3>& corners,
     refuse(Exit::kInvalid, files.input(), "", "has more than 64 million triangles; bake it in pieces");
 }
 
-// The two ways in which programs store colours, five bits a channel, in the word after each facet. The format
-// has no colours, and the word may hold anything. Source: Wikipedia, "STL (file format)", section "Color in
+// The two ways in which programs store colors, five bits a channel, in the word after each facet. The format
+// has no colors, and the word may hold anything. Source: Wikipedia, "STL (file format)", section "Color in
 // binary"; Materialise's header as MeshLab and Magics write it.
 class FacetColors {
  public:
@@ -69,7 +69,7 @@ class FacetColors {
     }
   }
 
-  // Linear; absent if the file has no colours.
+  // Linear; absent if the file has no colors.
   std::optional<glm::vec4> of(std::size_t facet) const {
     const unsigned bits = word(facet);
     const bool flag = (bits & kFlag) != 0;
@@ -82,8 +82,8 @@ class FacetColors {
   }
 
  private:
-  // kVisCam: red is in the high bits, and the flag says that there is a colour. kMagics: red is in the low
-  // bits, and the flag says that the header's colour counts. kWhole: the header's colour for all.
+  // kVisCam: red is in the high bits, and the flag says that there is a color. kMagics: red is in the low
+  // bits, and the flag says that the header's color counts. kWhole: the header's color for all.
   enum class Kind { kNone, kVisCam, kMagics, kWhole };
   static constexpr unsigned kFlag = 0x8000;
 

@@ -47,10 +47,10 @@ AxisMeans::AxisMeans(const glm::dmat4& to_index, const glm::ivec3& size, const g
     auto& all = taps_[static_cast<std::size_t>(i)];
     for (int voxel = 0; voxel < size[i]; ++voxel) {
       Taps& taps = all.emplace_back();
-      const double centre = std::clamp(origin + scale * (voxel + 0.5), -kFarthestCell, kFarthestCell),
-                   low = centre - width / 2, high = centre + width / 2;
-      if (std::abs(width - 1) < 1e-6 && isWhole(centre)) {
-        taps = {static_cast<int>(std::round(centre)), {1.0}, {0.0, 1.0}};
+      const double center = std::clamp(origin + scale * (voxel + 0.5), -kFarthestCell, kFarthestCell),
+                   low = center - width / 2, high = center + width / 2;
+      if (std::abs(width - 1) < 1e-6 && isWhole(center)) {
+        taps = {static_cast<int>(std::round(center)), {1.0}, {0.0, 1.0}};
         continue;
       }
       const auto before = width < 1 - 1e-6 ? tentBefore : boxBefore;

@@ -26,7 +26,7 @@ struct Taps {
 
 // The taps of every voxel of a part whose axes are parallel to a grid's: the mean over a voxel is the product
 // of three exact ones. A value counts as a box as wide as its voxel if the part's voxels are larger, else as
-// a tent between its neighbours.
+// a tent between its neighbors.
 class AxisMeans {
  public:
   // to_index must be alongAxes(). Outside the grid's voxels from `first` to before `end` everything is 0.

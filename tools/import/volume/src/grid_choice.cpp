@@ -167,9 +167,8 @@ std::optional<std::size_t> findNamed(const std::vector<GridHeader>& grids, std::
 void requireVoxels(const InputFiles& files, const GridHeader& grid) {
   const std::string place = gridPlace(grid);
   if (grid.kind == GridKind::kVector)
-    refuse(
-        Exit::kUnsupported, files.input(), place,
-        "holds vectors: they can colour a volume (--color-grid), but not be one; choose a grid of numbers");
+    refuse(Exit::kUnsupported, files.input(), place,
+           "holds vectors: they can color a volume (--color-grid), but not be one; choose a grid of numbers");
   if (grid.kind == GridKind::kOther)
     refuse(Exit::kUnsupported, files.input(), place,
            "has values of a type that kelp does not read; convert it to float");
@@ -189,7 +188,7 @@ VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>&
     const GridHeader& grid = grids[*choice.color];
     if (!isColor(grid))
       refuse(Exit::kUsage, files.input(), "--color-grid " + oneLine(*settings.color_grid, 60),
-             "holds no colours: " + describeGrid(grid) + "; name a grid of vec3s");
+             "holds no colors: " + describeGrid(grid) + "; name a grid of vec3s");
     if (grid.empty)
       refuse(Exit::kUsage, files.input(), "--color-grid " + oneLine(*settings.color_grid, 60),
              "is empty; leave the option out");

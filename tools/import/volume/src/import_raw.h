@@ -17,7 +17,7 @@ struct RawVolume {
   glm::ivec3 size{0};  // voxels, 1 to 65536 a side; x goes fastest, then y, then z
   RawType type = RawType::kU8;
   bool big_endian = false;
-  glm::dvec3 spacing{1};     // of voxels' centres along x, y and z, in the file's unit; > 0
+  glm::dvec3 spacing{1};     // of voxels' centers along x, y and z, in the file's unit; > 0
   std::uint64_t offset = 0;  // bytes before the first voxel
 
   std::uint64_t voxels() const {

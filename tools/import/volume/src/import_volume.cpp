@@ -118,21 +118,21 @@ class VolumeImport {
     }
     if (counts.missing > 0)
       model_.notices.push_back(
-          fmt::format("{} of {} surface voxels are grey: grid '{}' has no active value there", counts.missing,
+          fmt::format("{} of {} surface voxels are gray: grid '{}' has no active value there", counts.missing,
                       part_.grid->surface.size(), file_.grids[*choice.color].name));
     if (counts.clipped > 0)
       model_.notices.push_back(
-          fmt::format("colours of {} surface voxels were cut to between 0 and 1", counts.clipped));
+          fmt::format("colors of {} surface voxels were cut to between 0 and 1", counts.clipped));
   }
 
   void makeFog(const VolumeChoice& choice) {
     if (choice.color_named)
       throw ToolError(Exit::kUsage,
                       "--color-grid " + oneLine(*settings_.color_grid, 60) +
-                          ": fog has no colour of its own; leave it out, or give --volume solid");
+                          ": fog has no color of its own; leave it out, or give --volume solid");
     if (choice.color)
-      model_.notices.push_back(fmt::format("grid '{}' is not used: fog has no colour of its own",
-                                           file_.grids[*choice.color].name));
+      model_.notices.push_back(
+          fmt::format("grid '{}' is not used: fog has no color of its own", file_.grids[*choice.color].name));
     if (settings_.ramp_file && !choice.heat)
       throw ToolError(
           Exit::kUsage,
@@ -207,16 +207,16 @@ class VolumeImport {
   void require(const Lattice& lattice, const SizeFor& sizeFor, std::uint64_t bytes) const {
     checkPadded(lattice.size + 2 * paddingOf(part_, settings_.pad), settings_.pad,
                 files_.input().filename().string() + ": part '" + part_.name + "'");
-    // As it was asked for: in metres.
-    ImportSettings in_metres = settings_;
-    if (settings_.voxel_size) in_metres.voxel_size = *settings_.voxel_size * settings_.unit;
+    // As it was asked for: in meters.
+    ImportSettings in_meters = settings_;
+    if (settings_.voxel_size) in_meters.voxel_size = *settings_.voxel_size * settings_.unit;
     const auto sizes = [&](ImportSettings changed) {
       if (changed.voxel_size) changed.voxel_size = *changed.voxel_size / settings_.unit;
       PartSize size = sizeFor(changed);
       size.source_bytes += static_cast<double>(grid_.bytes() + bytes);
       return std::vector<PartSize>{size};
     };
-    requireMemory(sizes(in_metres), sizes, 0, in_metres,
+    requireMemory(sizes(in_meters), sizes, 0, in_meters,
                   settings_.resolution_given ? settings_.resolution
                                              : std::max({lattice.size.x, lattice.size.y, lattice.size.z}),
                   files_.input());

@@ -124,7 +124,7 @@ void checkTransform(const InputFiles& files, const GridHeader& grid) {
 
 double VolumeSampler::between(const glm::dvec3& point) const {
   if (!onLattice(point)) return grid_->background;
-  // On a voxel's centre, up to rounding: its own value, so that one equal to the isovalue stays so.
+  // On a voxel's center, up to rounding: its own value, so that one equal to the isovalue stays so.
   const glm::dvec3 nearest = glm::round(point);
   const glm::dvec3 place =
       glm::mix(point, nearest, glm::lessThan(glm::abs(point - nearest), glm::dvec3(1e-6)));

@@ -7,7 +7,7 @@
 
 namespace kelp::bake {
 
-// Of what is to be kept. Voxel centres are at whole numbers.
+// Of what is to be kept. Voxel centers are at whole numbers.
 struct IndexBox {
   glm::dvec3 low{INFINITY}, high{-INFINITY};  // where it ends, between voxels
   // its voxels, both inclusive
@@ -17,9 +17,9 @@ struct IndexBox {
 struct Lattice {
   glm::ivec3 size{0};
   glm::dmat4 to_index{1};  // part voxels (corners at whole numbers) -> index space
-  bool exact = false;      // voxel centres are the grid's own
+  bool exact = false;      // voxel centers are the grid's own
 
-  glm::dvec3 centre(const glm::ivec3& voxel, const glm::dvec3& offset = glm::dvec3(0)) const {
+  glm::dvec3 center(const glm::ivec3& voxel, const glm::dvec3& offset = glm::dvec3(0)) const {
     return glm::dvec3(to_index * glm::dvec4(glm::dvec3(voxel) + 0.5 + offset, 1));
   }
 };

@@ -134,15 +134,15 @@ double VolumeMeans::sampled(const glm::ivec3& voxel) const {
 double VolumeMeans::sumOf(const glm::ivec3& voxel, const glm::ivec3& low, const glm::ivec3& end) const {
   constexpr int kFew = 8;
   const glm::ivec3 count = end - low;
-  const glm::dvec3 centre(
+  const glm::dvec3 center(
       to_index_ * glm::dvec4(glm::dvec3(voxel) + 0.5 * glm::dvec3(low + end) / glm::dvec3(samples_), 1));
   const glm::dvec3 half = 0.5 * glm::dvec3(count) / glm::dvec3(samples_);
   const glm::dvec3 reach = half.x * glm::abs(glm::dvec3(to_index_[0])) +
                            half.y * glm::abs(glm::dvec3(to_index_[1])) +
                            half.z * glm::abs(glm::dvec3(to_index_[2])) + 1.0;
-  if (onLattice(centre - reach) && onLattice(centre + reach)) {
-    const VolumeCell cell = sampler_.cellAt(glm::ivec3(glm::floor(centre - reach)));
-    if (glm::all(glm::lessThan(glm::ivec3(glm::ceil(centre + reach)) - cell.low, glm::ivec3(cell.side))))
+  if (onLattice(center - reach) && onLattice(center + reach)) {
+    const VolumeCell cell = sampler_.cellAt(glm::ivec3(glm::floor(center - reach)));
+    if (glm::all(glm::lessThan(glm::ivec3(glm::ceil(center + reach)) - cell.low, glm::ivec3(cell.side))))
       return amount(cell.value.x) * count.x * count.y * count.z;
   }
   if (count.x * count.y * count.z > kFew) {

@@ -13,10 +13,10 @@
 namespace kelp::bake {
 namespace {
 
-// what has no colour: a light grey
+// what has no color: a light gray
 const Material kStone{glm::vec4(0.6f, 0.6f, 0.6f, 1), glm::vec3(0), 0, 1};
 
-// Measures the surface: whole constant cells at once where their neighbours are constant too.
+// Measures the surface: whole constant cells at once where their neighbors are constant too.
 class SurfaceScan {
  public:
   SurfaceScan(const VolumeGrid& grid, const VolumeRule& rule) : sampler_(grid), rule_(rule) {}
@@ -72,9 +72,9 @@ class SolidSampler {
   SolidSampler(const VolumeGrid& grid, const VolumeRule& rule, const Lattice& lattice)
       : sampler_(grid), rule_(rule), lattice_(lattice) {}
 
-  // The field at the centre of a part voxel, or `offset` voxels beside it.
+  // The field at the center of a part voxel, or `offset` voxels beside it.
   double at(const glm::ivec3& voxel, const glm::dvec3& offset = glm::dvec3(0)) const {
-    const glm::dvec3 place = lattice_.centre(voxel, offset);
+    const glm::dvec3 place = lattice_.center(voxel, offset);
     return lattice_.exact ? sampler_.at(glm::ivec3(glm::round(place))) : sampler_.between(place);
   }
 
@@ -201,11 +201,11 @@ VoxelGrid sampleSolid(const InputFiles& files, const VolumeGrid& grid, const Vol
       PaintedVoxel painted;
       const bool has_paint =
           attributes &&
-          paintedVoxel(*attributes, glm::dvec3(to_attribute * glm::dvec4(lattice.centre(voxel), 1)), painted);
+          paintedVoxel(*attributes, glm::dvec3(to_attribute * glm::dvec4(lattice.center(voxel), 1)), painted);
       sample.normal = has_paint ? to_part * painted.normal : glm::vec3(sampler.normal(voxel));
       glm::dvec3 value;
       if (colors) {
-        const glm::dvec3 place = glm::dvec3(to_color * glm::dvec4(lattice.centre(voxel), 1));
+        const glm::dvec3 place = glm::dvec3(to_color * glm::dvec4(lattice.center(voxel), 1));
         if (onLattice(place) && colorAt(*colors, place, value)) {
           const glm::dvec3 shown = glm::clamp(value, 0.0, 1.0);
           if (shown != value) ++clipped;

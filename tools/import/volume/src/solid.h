@@ -39,7 +39,7 @@ struct PaintedVoxel {
 // Grid kelp_attribute: (palette index, octahedral normal u, v) at surface voxels. False where there is none.
 bool paintedVoxel(const VolumeSampler& attribute, const glm::dvec3& place, PaintedVoxel& voxel);
 
-// Grid kelp_palette: of entry i, base colour at (i, 0, 0), emitted light at (i, 1, 0), opacity, metallic and
+// Grid kelp_palette: of entry i, base color at (i, 0, 0), emitted light at (i, 1, 0), opacity, metallic and
 // roughness at (i, 2, 0). Empty where it is not that.
 std::vector<Material> paintedPalette(const VolumeGrid& palette);
 
@@ -53,9 +53,9 @@ SolidBox solidBox(const InputFiles& files, const std::string& place, const Volum
                   const VolumeRule& rule);
 
 struct ColorCounts {
-  // surface voxels that no active value of the colour grid is near; that are brighter than 1 or darker than 0
+  // surface voxels that no active value of the color grid is near; that are brighter than 1 or darker than 0
   std::uint64_t missing = 0, clipped = 0;
-  // that SolidLooks::attribute says nothing of, or whose colour is not the one of its entry: somebody has
+  // that SolidLooks::attribute says nothing of, or whose color is not the one of its entry: somebody has
   // edited the grids
   std::uint64_t unpainted = 0;
 };

@@ -65,7 +65,7 @@ class FrustumField {
   explicit FrustumField(const Grid& grid) : background_(grid.background()), at_(grid.constTree()) {}
 
   bool active(const Vec3d& place) const { return at_.isValueOn(Coord::round(place)); }
-  // Trilinear; of colours, between those that are active.
+  // Trilinear; of colors, between those that are active.
   Value value(const Vec3d& place) const {
     if constexpr (std::is_same_v<Value, bool>) {
       return at_.getValue(Coord::round(place));

@@ -34,13 +34,13 @@ VolumeGrid volumeOf(const openvdb::GridBase::ConstPtr& grid);
 void checkCubes(const InputFiles& files, const std::string& place, double longest, double edge,
                 const ImportSettings& settings);
 
-// Cubes of the voxels of a frustum grid: each has the number at its centre, trilinear in the frustum's own
+// Cubes of the voxels of a frustum grid: each has the number at its center, trilinear in the frustum's own
 // lattice. They are as large as the settings ask, or have the volume of the voxel in the middle of the grid.
 openvdb::GridBase::Ptr cubesOfFrustum(const InputFiles& files, const std::string& place,
                                       const openvdb::GridBase& grid, const ImportSettings& settings);
 
 struct Spheres {
-  openvdb::GridBase::Ptr surface, color;  // a level set; null without colours
+  openvdb::GridBase::Ptr surface, color;  // a level set; null without colors
   std::string notice;
 };
 // The union of the spheres about the points of a grid.

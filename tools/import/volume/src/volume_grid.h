@@ -34,7 +34,7 @@ struct GridHeader {
   glm::ivec3 low{std::numeric_limits<int>::max()}, high{std::numeric_limits<int>::min()};
   bool linear = true;      // to_world says where it is; false for frustums
   bool raw = false;        // of a raw volume, which has no other: messages do not name it
-  glm::dmat4 to_world{1};  // voxel centres are at whole numbers
+  glm::dmat4 to_world{1};  // voxel centers are at whole numbers
 };
 
 // A cube of voxels that have one value: a tile, or a voxel.
@@ -84,7 +84,7 @@ struct VolumeGrid {
   // Not 0: a raw volume, which has no tree: the voxels from (0, 0, 0) on, x fastest, all active.
   glm::ivec3 dense{0};
   bool as_asked = false;                    // its voxels were made for the settings: they are kept
-  std::shared_ptr<const VolumeGrid> color;  // of points that have colours
+  std::shared_ptr<const VolumeGrid> color;  // of points that have colors
   std::vector<std::string> notices;         // of the making
 
   bool isDense() const { return dense.x > 0; }
@@ -107,7 +107,7 @@ class VolumeSampler {
 
   VolumeCell cellAt(const glm::ivec3& at) const { return lookup_->cellAt(at); }
   double at(const glm::ivec3& voxel) const { return lookup_->at(voxel); }
-  // Between voxel centres, which are at whole numbers: trilinear. The background where onLattice is false.
+  // Between voxel centers, which are at whole numbers: trilinear. The background where onLattice is false.
   double between(const glm::dvec3& place) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// MagicaVoxel models: voxels and colour indices are kept as they are in the file.
+// MagicaVoxel models: voxels and color indices are kept as they are in the file.
 #include <utility>
 
 #include "kelp/common/error.h"

@@ -21,7 +21,7 @@ namespace kelp::bake {
 
 struct VoxModel {
   glm::ivec3 size{0};  // 1 to 256 a side
-  // x, y, z and colour index of each, inside `size`; index 0: nothing; if several are in one place, the last
+  // x, y, z and color index of each, inside `size`; index 0: nothing; if several are in one place, the last
   // counts
   std::span<const std::uint8_t> voxels;
 };
@@ -63,8 +63,8 @@ struct VoxFile {
   std::map<std::int32_t, VoxNode> nodes;
   std::map<std::int32_t, VoxLayer> layers;
   std::optional<std::array<std::array<std::uint8_t, 4>, 256>> colors;  // of indices 1 to 255, and one unused
-  std::array<VoxMaterial, 256> materials;                              // by colour index
-  // the colour index at each place of the palette as MagicaVoxel shows it
+  std::array<VoxMaterial, 256> materials;                              // by color index
+  // the color index at each place of the palette as MagicaVoxel shows it
   std::optional<std::array<std::uint8_t, 256>> index_map;
   // the first and last frame that the animation plays
   std::optional<std::pair<std::int64_t, std::int64_t>> frames;
@@ -94,10 +94,10 @@ VoxScene arrangeVox(const InputFiles& files, const VoxFile& file, std::optional<
 
 struct VoxPalette {
   std::vector<Material> entries;             // 256, in MagicaVoxel's order
-  std::array<std::uint8_t, 256> entry_of{};  // for each colour index
+  std::array<std::uint8_t, 256> entry_of{};  // for each color index
   std::vector<std::string> notices;
 };
-// `used`: whether a voxel has this colour index.
+// `used`: whether a voxel has this color index.
 VoxPalette readVoxPalette(const VoxFile& file, const std::array<bool, 256>& used);
 
 }  // namespace kelp::bake

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Turns colours and materials of MagicaVoxel files into a palette.
+// Turns colors and materials of MagicaVoxel files into a palette.
 #include <algorithm>
 
 #include "kelp/common/srgb.h"
@@ -10,8 +10,8 @@ namespace {
 
 using Colors = std::array<std::array<std::uint8_t, 4>, 256>;
 
-// The default palette of files without colours: a cube of six steps a channel from white down, without black;
-// then ramps of red, green, blue and grey.
+// The default palette of files without colors: a cube of six steps a channel from white down, without black;
+// then ramps of red, green, blue and gray.
 Colors defaultColors() {
   Colors colors{};
   std::size_t at = 0;
@@ -36,8 +36,8 @@ float share(std::optional<float> own, std::optional<float> weight, float otherwi
   return std::clamp(own ? *own : weight.value_or(otherwise), 0.0f, 1.0f);
 }
 
-// Roughness counts only for materials that reflect: MagicaVoxel ignores that of diffuse colours too. It also
-// ignores the alpha beside a colour; only glass has one.
+// Roughness counts only for materials that reflect: MagicaVoxel ignores that of diffuse colors too. It also
+// ignores the alpha beside a color; only glass has one.
 Material materialOf(const std::array<std::uint8_t, 4>& color, const VoxMaterial& m) {
   using Type = VoxMaterial::Type;
   const glm::vec3 base(srgbToLinear(static_cast<float>(color[0]) / 255.0f),
@@ -64,7 +64,7 @@ Material materialOf(const std::array<std::uint8_t, 4>& color, const VoxMaterial&
 VoxPalette readVoxPalette(const VoxFile& file, const std::array<bool, 256>& used) {
   const Colors colors = file.colors.value_or(defaultColors());
   VoxPalette out;
-  // The colour index at each place of the palette; 0 means 256.
+  // The color index at each place of the palette; 0 means 256.
   std::array<std::uint8_t, 256> shown;
   for (std::size_t i = 0; i < shown.size(); ++i) shown[i] = static_cast<std::uint8_t>(i + 1);
   if (file.index_map) {
@@ -74,8 +74,8 @@ VoxPalette readVoxPalette(const VoxFile& file, const std::array<bool, 256>& used
       shown = *file.index_map;
     else
       out.notices.push_back(
-          "the order of its palette names a colour twice, and was not read: the palette is in the order of "
-          "the file's colours");
+          "the order of its palette names a color twice, and was not read: the palette is in the order of "
+          "the file's colors");
   }
   std::size_t glass = 0, media = 0;
   for (std::size_t place = 0; place < shown.size(); ++place) {
@@ -87,11 +87,10 @@ VoxPalette readVoxPalette(const VoxFile& file, const std::array<bool, 256>& used
     media += used[index] && material.type == VoxMaterial::Type::kMedia ? 1 : 0;
   }
   if (glass > 0)
-    out.notices.push_back(std::to_string(glass) + (glass == 1 ? " colour is glass" : " colours are glass") +
+    out.notices.push_back(std::to_string(glass) + (glass == 1 ? " color is glass" : " colors are glass") +
                           ", and is drawn opaque; the pack's palette keeps its alpha");
   if (media > 0)
-    out.notices.push_back(std::to_string(media) +
-                          (media == 1 ? " colour is a cloud" : " colours are clouds") +
+    out.notices.push_back(std::to_string(media) + (media == 1 ? " color is a cloud" : " colors are clouds") +
                           ", and is baked as a solid");
   return out;
 }

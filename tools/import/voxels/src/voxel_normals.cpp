@@ -13,7 +13,7 @@ namespace kelp::bake {
 namespace {
 
 // The smoothed gradient of occupancy: empty voxels around a voxel pull its normal, near ones more. Computed
-// in integers, so that equal neighbourhoods on opposite sides cancel exactly: a flat face has its exact
+// in integers, so that equal neighborhoods on opposite sides cancel exactly: a flat face has its exact
 // normal, and every compiler gives the same.
 struct Smoothing {
   int reach;

@@ -39,7 +39,7 @@ void say(const char* kind, std::string_view before, std::string_view text) {
   put(lineOf({{"kind", kind}}, before, text));
 }
 
-// Lengths are metres only in glTF or with --unit.
+// Lengths are meters only in glTF or with --unit.
 std::string printLength(double length, const Options& options, const std::string& format) {
   return fmt::format("{:.4g} {}", length,
                      options.unit_given || format.rfind("glTF", 0) == 0 ? "m"

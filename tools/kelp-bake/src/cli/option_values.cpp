@@ -49,9 +49,9 @@ Take unit(Options& options) {
     static const std::map<std::string, double> kUnits = {
         {"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}};
     const auto known = kUnits.find(given);
-    const auto metres = known != kUnits.end() ? known->second : parseNumber<double>(given);
-    if (!metres) return "not a unit; use m, cm, mm, in, ft, or the length of one in metres, such as 0.01";
-    options.settings.unit = *metres;
+    const auto meters = known != kUnits.end() ? known->second : parseNumber<double>(given);
+    if (!meters) return "not a unit; use m, cm, mm, in, ft, or the length of one in meters, such as 0.01";
+    options.settings.unit = *meters;
     options.unit_given = true;
     return nullptr;
   };

@@ -65,7 +65,7 @@ Take choice(Out& out, const char* fault, std::map<std::string, ValueOf<Out>> cho
 // 0 stands for the default, so it cannot be given.
 Take countingNumber(int& out);
 Take axis(std::optional<Axis>& out);
-// A unit's name, or its length in metres.
+// A unit's name, or its length in meters.
 Take unit(Options& options);
 // "Walk:0.3".
 Take moment(std::optional<bake::Moment>& out);

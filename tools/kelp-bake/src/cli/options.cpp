@@ -102,12 +102,12 @@ void addModelOptions(Adder& add, bake::Settings& settings, Options& options) {
                return number(settings.resolution)(given);
              });
   add.option("--voxel-size", "LENGTH",
-             "edge of a voxel in metres, in place of --resolution; voxels of .vox and .binvox stay, with "
+             "edge of a voxel in meters, in place of --resolution; voxels of .vox and .binvox stay, with "
              "this size",
              number(settings.voxel_size));
   add.option("--up", "+x|-x|+y|-y|+z|-z", "the file's axis that points up (default +y; of .vox +z)",
              axis(settings.up));
-  add.option("--unit", "m|cm|mm|in|ft|METRES",
+  add.option("--unit", "m|cm|mm|in|ft|METERS",
              "the file's unit of length (default m); of .vox, the size of a voxel", unit(options));
   add.option("--pad", "N",
              "empty voxels on every side of a part, 0 to 1024 (default 0), except along the axis of a part "
@@ -150,9 +150,9 @@ void addModelOptions(Adder& add, bake::Settings& settings, Options& options) {
 }
 
 void addLookOptions(Adder& add, bake::Settings& settings, bool& no_distance) {
-  add.heading("Colours");
+  add.heading("Colors");
   add.option("--palette", "FILE",
-             "use only these colours: a GIMP palette (.gpl) or a picture of at most 256 colours",
+             "use only these colors: a GIMP palette (.gpl) or a picture of at most 256 colors",
              text(settings.palette_file));
   add.flag("--keep-materials", "give every material its own palette entries; --report names them",
            settings.keep_materials);
@@ -172,7 +172,7 @@ void addLookOptions(Adder& add, bake::Settings& settings, bool& no_distance) {
              "level sets, half the greatest value for densities)",
              number(settings.isovalue));
   add.option("--color-grid", "NAME|INDEX",
-             "volumes: the vector grid with the colours of a solid (default: Cd or color)",
+             "volumes: the vector grid with the colors of a solid (default: Cd or color)",
              text(settings.color_grid));
   add.option("--heat-grid", "NAME|INDEX|none",
              "volumes: the grid that makes fog glow (default: flame, flames, heat or temperature); none: no "
@@ -183,7 +183,7 @@ void addLookOptions(Adder& add, bake::Settings& settings, bool& no_distance) {
   add.option("--density", "FACTOR", "volumes: multiplies the density of fog (default 1)",
              number(settings.density));
   add.option("--ramp", "FILE",
-             "volumes: colours of glowing fog, cold to hot: a GIMP palette (.gpl) or a picture (default: a "
+             "volumes: colors of glowing fog, cold to hot: a GIMP palette (.gpl) or a picture (default: a "
              "black body's)",
              text(settings.ramp_file));
   add.heading("Pack");

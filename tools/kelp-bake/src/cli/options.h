@@ -16,7 +16,7 @@ enum class ProgressStyle { kAuto, kBar, kJson, kNone };
 struct Options {
   std::filesystem::path input, output;
   bake::Settings settings;
-  bool unit_given = false;  // then lengths are metres, whatever the format
+  bool unit_given = false;  // then lengths are meters, whatever the format
   int max_import_seconds = 1800;
   ProgressStyle progress = ProgressStyle::kAuto;
   std::optional<std::filesystem::path> report_file;

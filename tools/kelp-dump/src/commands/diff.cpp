@@ -38,11 +38,11 @@ Command addDiff(CLI::App& app) {
   const auto options = std::make_shared<DiffOptions>();
   CLI::App* const command =
       addCommand(app, "diff",
-                 "Say which parts, levels, voxels, colours, rigs and clips of two packs differ; compression "
+                 "Say which parts, levels, voxels, colors, rigs and clips of two packs differ; compression "
                  "and order do "
                  "not matter",
                  "  kelp-dump diff old.kelp new.kelp\n"
-                 "  kelp-dump diff old.kelp new.kelp --tolerance 0.01    colours a step or two apart, "
+                 "  kelp-dump diff old.kelp new.kelp --tolerance 0.01    colors a step or two apart, "
                  "normals within 1.8 "
                  "degrees\n");
   command->add_option("A", options->a, "a .kelp file")->required();
@@ -50,7 +50,7 @@ Command addDiff(CLI::App& app) {
   command
       ->add_option(
           "--tolerance", options->tolerance,
-          "how far apart numbers may be, as a share of their range. The range of a colour is white, of "
+          "how far apart numbers may be, as a share of their range. The range of a color is white, of "
           "a normal half a turn, of knots and places the part's length, of times the time itself. "
           "Which voxels are solid has no tolerance")
       ->option_text("SHARE [0; up to 1]");

@@ -27,12 +27,12 @@ struct Format {
   bool into_folder = false;
 };
 constexpr Format kFormats[] = {
-    {"vox", "MagicaVoxel: colours by index, materials, one model a part", kVoxWriter},
-    {"proxy", "few triangles around each solid part, closed: an .obj, .ply, .stl or .off file, in metres",
+    {"vox", "MagicaVoxel: colors by index, materials, one model a part", kVoxWriter},
+    {"proxy", "few triangles around each solid part, closed: an .obj, .ply, .stl or .off file, in meters",
      kProxyWriter},
     {"npy", "a folder of NumPy arrays: occupancy, signed distance and its gradient of each solid part",
      kNpyWriter, true},
-    {"vdb", "OpenVDB: solid parts as level sets with their colours, fog as densities", kVdbWriter},
+    {"vdb", "OpenVDB: solid parts as level sets with their colors, fog as densities", kVdbWriter},
     {"nvdb", "NanoVDB: the same as --vdb", kNanoVdbWriter},
 };
 

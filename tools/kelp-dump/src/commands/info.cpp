@@ -33,12 +33,12 @@ Command addInfo(CLI::App& app) {
       addCommand(app, "info", "Print what is in a pack, on one screen; reads only its header and tables",
                  "  kelp-dump info reed.kelp\n"
                  "  kelp-dump info reed.kelp --count              how many voxels are solid, how much each "
-                 "colour is used\n"
+                 "color is used\n"
                  "  kelp-dump info reed.kelp --format json | jq '.parts[].name'\n");
   addPack(command, options->path);
   command->add_flag("--count", options->count,
                     "also read all voxels and count them: bricks, solid and surface voxels, the use of each "
-                    "colour, the size of decoded pages");
+                    "color, the size of decoded pages");
   addFormat(command, options->format);
   return {command, [options] { return runInfo(*options); }};
 }

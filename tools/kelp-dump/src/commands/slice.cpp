@@ -55,12 +55,12 @@ Command addSlice(CLI::App& app) {
       "  kelp-dump slice reed.kelp -o reed.png --axis z --what clearance --scale 4\n"
       "  kelp-dump slice reed.kelp -o reed.png --what normals --at 12\n"
       "\n"
-      "--what occupancy      dark at the surface, grey inside, white where empty\n"
-      "       clearance      distance of empty voxels from the nearest solid one, 4 grey steps a voxel, "
+      "--what occupancy      dark at the surface, gray inside, white where empty\n"
+      "       clearance      distance of empty voxels from the nearest solid one, 4 gray steps a voxel, "
       "brighter "
       "is farther; solid is orange\n"
-      "       normals        (n + 1) / 2 as red, green, blue; grey inside, transparent where empty\n"
-      "       colour         as in the palette; transparent where empty\n"
+      "       normals        (n + 1) / 2 as red, green, blue; gray inside, transparent where empty\n"
+      "       color         as in the palette; transparent where empty\n"
       "       density, heat  of fog, as stored\n"
       "Across y: x to the right, z down. Across z: x to the right, y up. Across x: z to the right, y up.\n");
   addPack(command, options->path);
@@ -74,7 +74,7 @@ Command addSlice(CLI::App& app) {
   addLevel(command, options->slice.level);
   addPart(command, options->part, "the first");
   command->add_option("--what", options->slice.what, "what to show")
-      ->option_text("occupancy|clearance|normals|colour|density|heat [occupancy; of fog, density]");
+      ->option_text("occupancy|clearance|normals|color|density|heat [occupancy; of fog, density]");
   command->add_option("--scale", options->slice.scale, "pixels along a voxel's side")
       ->option_text("N [1; up to 64]");
   return {command, [command, options] { return runSlice(*command, *options); }};

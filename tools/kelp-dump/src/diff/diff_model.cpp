@@ -96,7 +96,7 @@ class PartDiff {
     const double side = std::max(longestSide(a_), longestSide(b_));
     if (!tolerance_.allows(farthest, side))
       add("place",
-          fmt::format("voxels of {} and {}, a corner is {} off", voxel(a_), voxel(b_), metresText(farthest)),
+          fmt::format("voxels of {} and {}, a corner is {} off", voxel(a_), voxel(b_), metersText(farthest)),
           voxel(a_), voxel(b_))
           .largest = farthest / side;
     // The pivot: differences of its axes relative to their lengths, of its place relative to the part's
@@ -174,10 +174,10 @@ class PartDiff {
                        std::cbrt(std::abs(glm::determinant(glm::dmat3(glm::dmat4x3(part.to_object))))));
   }
   static std::string lookText(const Fog& fog) {
-    return fmt::format("{}, anisotropy {:.3g}, {}", hexColour({fog.color, 1}), fog.anisotropy,
+    return fmt::format("{}, anisotropy {:.3g}, {}", hexColor({fog.color, 1}), fog.anisotropy,
                        fog.ramp.empty()
                            ? "no heat"
-                           : fmt::format("glow {:.4g} in {}", fog.glow, plural(fog.ramp.size(), "colour")));
+                           : fmt::format("glow {:.4g} in {}", fog.glow, plural(fog.ramp.size(), "color")));
   }
 
   const Part& a_;
@@ -326,7 +326,7 @@ void diffPalettes(const Pack& a, const Pack& b, const PaletteDistances& distance
       for (std::size_t j = 0; j < other.palette().size() && !there; ++j) there = apart(i, j) == 0;
       if (there) continue;
       if (count < 4)
-        some += fmt::format("{}{} {}", count ? ", " : "", i, hexColour(of.palette()[i].base_color));
+        some += fmt::format("{}{} {}", count ? ", " : "", i, hexColor(of.palette()[i].base_color));
       ++count;
     }
     if (count == 0) return;

@@ -29,7 +29,7 @@ class LevelDiff {
   LevelDiff(const PaletteDistances& palette, const Tolerance& tolerance)
       : palette_(palette), tolerance_(tolerance) {}
 
-  Places only_a, only_b, bare_a, bare_b, colour, normal;
+  Places only_a, only_b, bare_a, bare_b, color, normal;
   glm::ivec3 first_solid{0}, first_surface{0};
 
   // a, b: null if the level does not store the brick; it is then wholly inside or empty.
@@ -89,7 +89,7 @@ class LevelDiff {
 
   void compareAttributes(const glm::ivec3& at, std::uint32_t a, std::uint32_t b) {
     if (const float apart = palette_.apart[attributePalette(a)][attributePalette(b)]; apart > 0)
-      colour.add(at, static_cast<double>(apart));
+      color.add(at, static_cast<double>(apart));
     if (attributeNormal(a) == attributeNormal(b)) return;
     if (const double degrees = angleBetween(attributeNormal(a), attributeNormal(b));
         !tolerance_.allows(degrees, 180))
@@ -141,16 +141,16 @@ void diffVoxels(PackFile& file_a, PackFile& file_b, int part_a, int part_b, int 
   if (const std::uint64_t count = found.bare_a.count + found.bare_b.count; count > 0) {
     Difference& d =
         add("surface", count, found.first_surface,
-            fmt::format("{} with colour and normal in A alone, {} in B alone",
+            fmt::format("{} with color and normal in A alone, {} in B alone",
                         plural(found.bare_b.count, "solid voxel"), countText(found.bare_a.count)));
     d.only_a = found.bare_b.count;
     d.only_b = found.bare_a.count;
   }
-  if (found.colour.count > 0)
-    add("colour", found.colour.count, found.colour.first,
-        fmt::format("{} of another colour (by up to {:.2g})", plural(found.colour.count, "voxel"),
-                    found.colour.largest))
-        .largest = found.colour.largest;
+  if (found.color.count > 0)
+    add("colour", found.color.count, found.color.first,
+        fmt::format("{} of another color (by up to {:.2g})", plural(found.color.count, "voxel"),
+                    found.color.largest))
+        .largest = found.color.largest;
   if (found.normal.count > 0)
     add("normal", found.normal.count, found.normal.first,
         fmt::format("{} with another normal (by up to {:.3g} degrees)", plural(found.normal.count, "voxel"),

@@ -66,7 +66,7 @@ extern const Writer kVoxWriter, kProxyWriter, kNpyWriter, kVdbWriter, kNanoVdbWr
 // MagicaVoxel, version 200, z up. Each part is one model, or several of 256 voxels a side. The scene graph
 // places them.
 void extractVox(const ExtractRequest& request);
-// Closed, decimated surfaces in the object's space, metres: a file for each part.
+// Closed, decimated surfaces in the object's space, meters: a file for each part.
 void extractProxy(const ExtractRequest& request);
 // A folder of NumPy arrays, three for each solid part: PART.occupancy.npy (uint8, axes z, y, x),
 // PART.distance.npy (float32, voxels, negative inside, infinite beyond the band) and PART.gradient.npy
@@ -76,7 +76,7 @@ void extractNpy(const ExtractRequest& request);
 void extractVdb(const ExtractRequest& request);
 void extractNvdb(const ExtractRequest& request);
 
-// Display colour of a palette entry, 8 bits a channel, with its alpha.
+// Display color of a palette entry, 8 bits a channel, with its alpha.
 struct Rgba {
   std::uint8_t r = 0, g = 0, b = 0, a = 0;
 };

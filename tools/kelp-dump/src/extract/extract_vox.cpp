@@ -39,7 +39,7 @@ struct Placement {
 };
 
 // The placement in whole voxels and quarter turns that is nearest to the part's. `edge`: of the file's
-// voxels, in metres.
+// voxels, in meters.
 Placement placementOf(const LevelVoxels& level, double edge) {
   Placement out;
   const glm::dmat4x3& to_object = level.toObject();
@@ -142,7 +142,7 @@ class VoxWriter {
   }
 
  private:
-  // A part's models, and which colours its voxels have.
+  // A part's models, and which colors its voxels have.
   void countPart(std::uint32_t part, std::array<bool, 256>& used) {
     const LevelVoxels level = request_.read(part);
     if (edge_ == 0) edge_ = level.edge();
@@ -345,7 +345,7 @@ class VoxWriter {
     if (std::abs(edge_ - 1) > 1e-6)
       note(request_,
            fmt::format("voxels are {} wide, which .vox files cannot hold; bake with --voxel-size {}",
-                       metresText(edge_), static_cast<float>(edge_)));
+                       metersText(edge_), static_cast<float>(edge_)));
   }
 
   const ExtractRequest& request_;

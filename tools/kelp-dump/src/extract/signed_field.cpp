@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Each surface voxel has a normal, and its neighbours bound the distance of the surface from its centre.
+// Each surface voxel has a normal, and its neighbors bound the distance of the surface from its center.
 // Together they give a plane. The field is the mean of the planes near by. Then the values beside surface
 // voxels are changed until the differences along the axes agree with the normals (Kaczmarz 1937: the
 // equations of one voxel after the other, each by the least change). No value crosses zero.
@@ -17,13 +17,13 @@ namespace kelp::dump {
 namespace {
 
 constexpr int kReach = static_cast<int>(SignedField::kHalfWidth);
-constexpr float kNearest = 1.0f / 128;  // to zero that a voxel's centre may come
+constexpr float kNearest = 1.0f / 128;  // to zero that a voxel's center may come
 constexpr int kRounds = 32;
 
 // For voxels from -8 on.
 glm::ivec3 floorBrick(const glm::ivec3& voxel) { return (voxel + kBrickSide) / kBrickSide - 1; }
 
-// The distance of a surface voxel's centre from the surface: the middle of the range that its neighbours
+// The distance of a surface voxel's center from the surface: the middle of the range that its neighbors
 // allow.
 float depthOf(const LevelVoxels& level, const glm::ivec3& voxel, const glm::vec3& normal) {
   float low = -2, high = 0;

@@ -36,7 +36,7 @@ class SignedField {
   struct Sample {
     glm::ivec3 voxel;
     glm::vec3 normal;
-    float value;  // at the voxel's centre
+    float value;  // at the voxel's center
   };
   static std::uint64_t keyOf(const glm::ivec3& brick) {  // sides of a level are below 2^15 bricks
     return static_cast<std::uint64_t>(brick.x + 1) | static_cast<std::uint64_t>(brick.y + 1) << 20 |

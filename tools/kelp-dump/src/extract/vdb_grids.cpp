@@ -20,7 +20,7 @@ Coord coordOf(const glm::ivec3& voxel) { return Coord(voxel.x, voxel.y, voxel.z)
 
 constexpr double kLeastVolume = 4e-15;  // a little above openvdb::math::AffineMap's own
 
-// OpenVDB has voxel centres at whole numbers and multiplies row vectors.
+// OpenVDB has voxel centers at whole numbers and multiplies row vectors.
 openvdb::math::Transform::Ptr transformOf(const LevelVoxels& level) {
   const glm::dmat4x3& to_object = level.toObject();
   const glm::dvec3 origin = to_object * glm::dvec4(0.5, 0.5, 0.5, 1);
@@ -50,7 +50,7 @@ std::string listText(const Vector& v) {
   return "[" + text + "]";
 }
 
-// One column per entry along x, with three rows: base colour, emitted light, (opacity, metallic, roughness).
+// One column per entry along x, with three rows: base color, emitted light, (opacity, metallic, roughness).
 // It is a grid because NanoVDB keeps no metadata.
 openvdb::Vec3SGrid::Ptr paletteGrid(const std::string& name, const LevelVoxels& level,
                                     std::span<const Material> palette) {
@@ -128,7 +128,7 @@ void addSolid(const std::string& name, const std::string& prefix, const LevelVox
   grids.push_back(paletteGrid(prefix + "kelp_palette", level, palette));
 }
 
-// Density is extinction per metre. Heat is 0 to 1, the end of the ramp.
+// Density is extinction per meter. Heat is 0 to 1, the end of the ramp.
 void addFog(const std::string& prefix, const LevelVoxels& level, double level0_edge, const Fog& fog,
             openvdb::GridPtrVec& grids) {
   auto density = makeGrid<openvdb::FloatGrid>(prefix + "density", level, 0.0f);
@@ -176,7 +176,7 @@ openvdb::GridPtrVec vdbGrids(const ExtractRequest& request) {
                       fmt::format("{}: {}: OpenVDB has no voxels of less than {:.1e} m^3, these are {} wide; "
                                   "extract a coarser --level, or another format",
                                   request.file.path(), levelText(request.file.pack(), index, request.level),
-                                  kLeastVolume, metresText(level.edge())));
+                                  kLeastVolume, metersText(level.edge())));
     if (level.fog())
       addFog(prefix, level, std::cbrt(std::abs(glm::determinant(glm::dmat3(part.to_object)))), *part.fog,
              grids);

@@ -9,7 +9,7 @@
 namespace kelp::dump {
 
 // The grids of one part have the names that other programs look for: a level set by the part's name and its
-// colours in Cd, or density and heat. With several parts, the part's name and a dot stand before these names.
+// colors in Cd, or density and heat. With several parts, the part's name and a dot stand before these names.
 // ToolError.
 openvdb::GridPtrVec vdbGrids(const ExtractRequest& request);
 

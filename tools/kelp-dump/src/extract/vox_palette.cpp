@@ -18,7 +18,7 @@ constexpr std::size_t kLast = 255;  // the entry that would be index 256
 
 std::string real(float value) { return fmt::format("{}", value); }  // the shortest that reads back the same
 
-// MagicaVoxel's lights shine in their own colour, up to five times as bright. "_flux" holds what exceeds 1.
+// MagicaVoxel's lights shine in their own color, up to five times as bright. "_flux" holds what exceeds 1.
 VoxAttributes lightOf(const Material& m, float& lost) {
   const glm::vec3 base(m.base_color);
   const int brightest = m.emissive.x >= m.emissive.y && m.emissive.x >= m.emissive.z ? 0
@@ -81,14 +81,14 @@ VoxPalette voxPalette(std::span<const Material> palette, const std::array<bool, 
     if (free >= kLast) {
       const auto [keeper, given_up] = mostAlike(palette);
       out.notes.push_back(fmt::format(
-          "colours {} and {} became one: voxels in MagicaVoxel have at most 255 colours", keeper, given_up));
+          "colors {} and {} became one: voxels in MagicaVoxel have at most 255 colors", keeper, given_up));
       free = given_up;
       out.index_of[given_up] = out.index_of[keeper];
       if (given_up != kLast) out.index_of[kLast] = static_cast<std::uint8_t>(given_up + 1);
     } else {
       std::swap(out.index_of[free], out.index_of[kLast]);
     }
-    if (free < kLast) {  // both colours stay at their places in the palette
+    if (free < kLast) {  // both colors stay at their places in the palette
       auto& order = out.order.emplace();
       std::iota(order.begin(), order.end(), std::uint8_t{1});
       order[free] = 0;
@@ -108,9 +108,9 @@ VoxPalette voxPalette(std::span<const Material> palette, const std::array<bool, 
   for (std::size_t place = palette.size(); place < 256; ++place) out.rgba[place] = {0, 0, 0, 255};
   if (lossy > 0)
     out.notes.push_back(
-        fmt::format("{} change: light in MagicaVoxel has the surface's colour, is at most five times as "
+        fmt::format("{} change: light in MagicaVoxel has the surface's color, is at most five times as "
                     "bright and has no gloss",
-                    lossy == 1 ? std::string("1 colour may") : fmt::format("{} colours may", lossy)));
+                    lossy == 1 ? std::string("1 color may") : fmt::format("{} colors may", lossy)));
   return out;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A pack's palette for MagicaVoxel: 255 colours that voxels can have, materials by type, and the order in
+// A pack's palette for MagicaVoxel: 255 colors that voxels can have, materials by type, and the order in
 // which the palette is shown.
 #pragma once
 
@@ -21,9 +21,9 @@ struct VoxPalette {
   std::array<std::uint8_t, 256> index_of{};  // of each palette entry that is used: 1 to 255
   // In the order of the RGBA chunk: indices 1 to 255, then the one that no voxel can have.
   std::array<std::array<std::uint8_t, 4>, 256> rgba{};
-  // Colour index and MATL attributes of every material that is not plain.
+  // Color index and MATL attributes of every material that is not plain.
   std::vector<std::pair<int, VoxAttributes>> materials;
-  // IMAP: the colour index at each place. None: 1, 2, 3, ...
+  // IMAP: the color index at each place. None: 1, 2, 3, ...
   std::optional<std::array<std::uint8_t, 256>> order;
   std::vector<std::string> notes;  // what was lost
 };

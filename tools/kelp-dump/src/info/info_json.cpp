@@ -56,7 +56,7 @@ Json partJson(const PartSummary& p) {
     Json ramp = Json::array();
     for (const glm::vec3& color : part.fog->ramp) ramp.push_back(array3(color));
     json["fog"] = {{"color", array3(part.fog->color)},
-                   {"hex", hexColour({part.fog->color, 1})},
+                   {"hex", hexColor({part.fog->color, 1})},
                    {"anisotropy", part.fog->anisotropy},
                    {"glow", part.fog->glow},
                    {"ramp", ramp}};
@@ -97,7 +97,7 @@ std::string infoJson(const Summary& summary) {
     const Material& m = pack.palette()[i];
     palette.push_back(
         {{"base_color", Json::array({m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a})},
-         {"hex", hexColour(m.base_color)},
+         {"hex", hexColor(m.base_color)},
          {"emissive", array3(m.emissive)},
          {"metallic", m.metallic},
          {"roughness", m.roughness}});

@@ -39,7 +39,7 @@ std::vector<std::pair<std::string, std::string>> infoLines(std::string_view docu
   return lines;
 }
 
-constexpr std::size_t kMostLines = 6, kMostParts = 8, kMostClips = 6, kMostColours = 6, kMostChunks = 16;
+constexpr std::size_t kMostLines = 6, kMostParts = 8, kMostClips = 6, kMostColors = 6, kMostChunks = 16;
 // With more parts: one line a part, and the sums of their levels.
 constexpr std::size_t kDetailedParts = 2;
 
@@ -64,10 +64,10 @@ const char* kindText(const Part& part) {
 
 std::string fogText(const Fog& fog) {
   std::string text =
-      fmt::format("    fog of {}, anisotropy {:.3g}", hexColour({fog.color, 1}), fog.anisotropy);
+      fmt::format("    fog of {}, anisotropy {:.3g}", hexColor({fog.color, 1}), fog.anisotropy);
   if (fog.ramp.empty()) return text + "; no heat\n";
   return text + fmt::format("; glow {:.4g} in {} from {:.3g} {:.3g} {:.3g} to {:.3g} {:.3g} {:.3g}\n",
-                            fog.glow, plural(fog.ramp.size(), "colour"), fog.ramp.front().r,
+                            fog.glow, plural(fog.ramp.size(), "color"), fog.ramp.front().r,
                             fog.ramp.front().g, fog.ramp.front().b, fog.ramp.back().r, fog.ramp.back().g,
                             fog.ramp.back().b);
 }
@@ -108,9 +108,9 @@ std::string levelsText(const Summary& summary, const PartSummary& p) {
 std::string voxelText(const PartSummary& p) {
   const bool cubes =
       std::max({p.voxel.x, p.voxel.y, p.voxel.z}) <= 1.00001 * std::min({p.voxel.x, p.voxel.y, p.voxel.z});
-  return cubes ? metresText(p.voxel.x)
-               : fmt::format("{} x {} x {}", metresText(p.voxel.x), metresText(p.voxel.y),
-                             metresText(p.voxel.z));
+  return cubes ? metersText(p.voxel.x)
+               : fmt::format("{} x {} x {}", metersText(p.voxel.x), metersText(p.voxel.y),
+                             metersText(p.voxel.z));
 }
 
 std::string partText(const Summary& summary, std::size_t index) {
@@ -118,8 +118,8 @@ std::string partText(const Summary& summary, std::size_t index) {
   const Part& part = *p.part;
   std::string text =
       fmt::format("  {} {}{}: {} voxels of {} ({} x {} x {})", index, nameText(part.name), kindText(part),
-                  sizeText(part.size), voxelText(p), metresText(p.voxel.x * part.size.x),
-                  metresText(p.voxel.y * part.size.y), metresText(p.voxel.z * part.size.z));
+                  sizeText(part.size), voxelText(p), metersText(p.voxel.x * part.size.x),
+                  metersText(p.voxel.y * part.size.y), metersText(p.voxel.z * part.size.z));
   text += fmt::format("; {} knots at", part.knots.size());
   for (std::size_t k = 0; k < part.knots.size() && k < 8; ++k)
     text += fmt::format(" {:.3g}", part.knots[k].at);
@@ -139,7 +139,7 @@ std::string partsTable(const Summary& summary) {
     const PartSummary& p = summary.parts[i];
     const std::string name = nameText(p.part->name, 20) + kindText(*p.part);
     text += fmt::format("  {:<6}{}{:>20}{:>12}{:>8}{:>7}{:>12}{}\n", i, padRight(name, 28),
-                        sizeText(p.part->size), metresText(std::max({p.voxel.x, p.voxel.y, p.voxel.z})),
+                        sizeText(p.part->size), metersText(std::max({p.voxel.x, p.voxel.y, p.voxel.z})),
                         p.part->levels, p.part->knots.size(), bytesText(p.stored()),
                         shareText(p.stored(), summary.storedBytes()));
   }
@@ -194,11 +194,11 @@ std::string paletteText(const Summary& summary) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return summary.palette_use[a] > summary.palette_use[b];
   });
-  std::string text = fmt::format("{} ({}{})\n", "palette", plural(palette.size(), "colour"),
+  std::string text = fmt::format("{} ({}{})\n", "palette", plural(palette.size(), "color"),
                                  summary.counted ? ", by their share of the surface" : "");
-  for (std::size_t i = 0; i < order.size() && i < kMostColours; ++i) {
+  for (std::size_t i = 0; i < order.size() && i < kMostColors; ++i) {
     const Material& m = palette[order[i]];
-    text += fmt::format("  {:<4}{}  roughness {:.2f}  metallic {:.2f}", order[i], hexColour(m.base_color),
+    text += fmt::format("  {:<4}{}  roughness {:.2f}  metallic {:.2f}", order[i], hexColor(m.base_color),
                         m.roughness, m.metallic);
     if (m.base_color.a < 1) text += fmt::format("  alpha {:.2f}", m.base_color.a);
     if (m.emissive != glm::vec3(0))
@@ -206,7 +206,7 @@ std::string paletteText(const Summary& summary) {
     if (summary.counted) text += shareText(summary.palette_use[order[i]], summary.surfaceVoxels());
     text += "\n";
   }
-  return text + more(order.size(), kMostColours, "colours");
+  return text + more(order.size(), kMostColors, "colors");
 }
 
 std::string bytesTable(const Summary& summary) {

@@ -37,7 +37,7 @@ struct DistanceSummary {
 
 struct PartSummary {
   const Part* part = nullptr;  // of the PackFile's pack
-  glm::dvec3 voxel{0};         // edges of a voxel in metres
+  glm::dvec3 voxel{0};         // edges of a voxel in meters
   std::vector<LevelSummary> levels;
   std::optional<DistanceSummary> distances;  // if there are any
   std::uint64_t stored() const;              // without distances

@@ -28,7 +28,7 @@ class LevelVoxels {
   const glm::ivec3& size() const { return size_; }  // voxels; of fog: samples
   const glm::ivec3& grid() const { return grid_; }  // bricks
   std::uint64_t bricks() const { return brick_of_slot_.size(); }
-  // Maps this level's voxels to the object, in metres. edge(): of a cube as large as a voxel.
+  // Maps this level's voxels to the object, in meters. edge(): of a cube as large as a voxel.
   const glm::dmat4x3& toObject() const { return to_object_; }
   double edge() const;
 
@@ -36,7 +36,7 @@ class LevelVoxels {
   bool solid(const glm::ivec3& voxel) const { return isSolidCode(code(voxel)); }
   // The attribute of a surface voxel, nothing for others.
   std::optional<std::uint32_t> attribute(const glm::ivec3& voxel) const;
-  // The palette index of each voxel of a row along x, or kEmpty. Inner voxels have no colour: they get that
+  // The palette index of each voxel of a row along x, or kEmpty. Inner voxels have no color: they get that
   // of the surface voxel before them. `row` begins at x = `from` and ends within the level.
   void paletteRow(int y, int z, int from, std::span<std::int16_t> row) const;
   // True if a brick with any of the voxels from..beyond-1 of a row is solid, in part or whole.

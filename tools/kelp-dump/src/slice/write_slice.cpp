@@ -47,7 +47,7 @@ class Layer {
   int at_;
 };
 
-Rgba grey(int value) {
+Rgba gray(int value) {
   const auto g = static_cast<std::uint8_t>(std::clamp(value, 0, 255));
   return {g, g, g, 255};
 }
@@ -56,22 +56,22 @@ using Pixel = std::function<Rgba(const glm::ivec3& voxel)>;
 
 Pixel occupancyOf(const LevelVoxels& level) {
   return [&level](const glm::ivec3& v) {
-    return !level.solid(v) ? grey(255) : level.attribute(v) ? grey(40) : grey(150);
+    return !level.solid(v) ? gray(255) : level.attribute(v) ? gray(40) : gray(150);
   };
 }
 
 Pixel normalsOf(const LevelVoxels& level) {
   return [&level](const glm::ivec3& v) {
     const std::optional<std::uint32_t> attribute = level.attribute(v);
-    if (!attribute) return level.solid(v) ? grey(128) : kNothing;
+    if (!attribute) return level.solid(v) ? gray(128) : kNothing;
     const glm::vec3 n = decodeNormal(attributeNormal(*attribute)) * 127.5f + 127.5f;
     return Rgba{static_cast<std::uint8_t>(std::lround(n.x)), static_cast<std::uint8_t>(std::lround(n.y)),
                 static_cast<std::uint8_t>(std::lround(n.z)), 255};
   };
 }
 
-// Colours are found row by row if the layer has rows along x, else voxel by voxel.
-Pixel coloursOf(const LevelVoxels& level, const Pack& pack, bool rows) {
+// Colors are found row by row if the layer has rows along x, else voxel by voxel.
+Pixel colorsOf(const LevelVoxels& level, const Pack& pack, bool rows) {
   return [&level, rows, palette = pack.palette(),
           row = std::vector<std::int16_t>(rows ? static_cast<std::size_t>(level.size().x) : 1),
           last = glm::ivec2(-1)](const glm::ivec3& v) mutable {
@@ -97,8 +97,8 @@ Pixel clearanceOf(const LevelVoxels& level, PackFile& file, std::uint32_t part) 
     if (level.solid(v)) return kSolid;
     const std::size_t at = denseIndex(size, v);
     return squared[at] == fields::kNoFeature
-               ? grey(255)
-               : grey(static_cast<int>(std::min(4 * std::sqrt(static_cast<double>(squared[at])), 255.0)));
+               ? gray(255)
+               : gray(static_cast<int>(std::min(4 * std::sqrt(static_cast<double>(squared[at])), 255.0)));
   };
 }
 
@@ -114,7 +114,7 @@ Pixel fogOf(const LevelVoxels& level, const Layer& layer, bool heat) {
     if (glm::all(glm::greaterThanEqual(v, low)) && glm::all(glm::lessThanEqual(v, high)))
       codes[index(v)] = heat ? heat_code : density_code;
   });
-  return [codes = std::move(codes), index](const glm::ivec3& v) { return grey(codes[index(v)]); };
+  return [codes = std::move(codes), index](const glm::ivec3& v) { return gray(codes[index(v)]); };
 }
 
 Pixel pixelOf(const std::string& what, const LevelVoxels& level, const Layer& layer, PackFile& file,
@@ -140,7 +140,7 @@ Pixel pixelOf(const std::string& what, const LevelVoxels& level, const Layer& la
   if (what == "clearance") return clearanceOf(level, file, part);
   return what == "occupancy" ? occupancyOf(level)
          : what == "normals" ? normalsOf(level)
-                             : coloursOf(level, file.pack(), layer.alongX());
+                             : colorsOf(level, file.pack(), layer.alongX());
 }
 
 // RGBA, each voxel `scale` pixels wide and high.

@@ -13,7 +13,7 @@ struct SliceOptions {
   int level = 0;
   char axis = 'y';        // across the layer
   std::optional<int> at;  // which layer; none: the middle one
-  // occupancy, clearance, normals, colour; of fog density, heat. Empty: occupancy or density.
+  // occupancy, clearance, normals, color; of fog density, heat. Empty: occupancy or density.
   std::string what;
   int scale = 1;  // pixels a voxel
 };

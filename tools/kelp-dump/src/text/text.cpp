@@ -35,11 +35,11 @@ std::string countText(std::uint64_t count) {
 
 std::string sizeText(const glm::ivec3& size) { return fmt::format("{} x {} x {}", size.x, size.y, size.z); }
 
-std::string metresText(double metres) {
-  const double size = std::abs(metres);
-  if (size > 0 && size < 1e-3) return fmt::format("{:.3g} um", metres * 1e6);
-  if (size < 1) return fmt::format("{:.3g} mm", metres * 1e3);
-  return fmt::format("{:.4g} m", metres);
+std::string metersText(double meters) {
+  const double size = std::abs(meters);
+  if (size > 0 && size < 1e-3) return fmt::format("{:.3g} um", meters * 1e6);
+  if (size < 1) return fmt::format("{:.3g} mm", meters * 1e3);
+  return fmt::format("{:.4g} m", meters);
 }
 
 std::string nameText(std::string_view text, std::size_t longest) {
@@ -73,7 +73,7 @@ std::string plural(std::uint64_t count, std::string_view word) {
   return fmt::format("{} {}{}", countText(count), word, count == 1 ? "" : "s");
 }
 
-std::string hexColour(const glm::vec4& linear) {
+std::string hexColor(const glm::vec4& linear) {
   return fmt::format("#{:02x}{:02x}{:02x}", linearToSrgb8(linear.r), linearToSrgb8(linear.g),
                      linearToSrgb8(linear.b));
 }

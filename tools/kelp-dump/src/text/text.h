@@ -21,16 +21,16 @@ std::string bytesText(std::uint64_t bytes);
 std::string countText(std::uint64_t count);
 // "64 x 256 x 48".
 std::string sizeText(const glm::ivec3& size);
-// A length in metres with a unit that suits it: "3.91 mm", "1.2 m".
-std::string metresText(double metres);
+// A length in meters with a unit that suits it: "3.91 mm", "1.2 m".
+std::string metersText(double meters);
 // Text from a pack, safe for a terminal: control characters become '?'. Cut to `longest` bytes.
 std::string nameText(std::string_view text, std::size_t longest = 120);
 // A fourcc as four letters.
 std::string fourccText(std::uint32_t fourcc);
 // "1 clip", "2 clips".
 std::string plural(std::uint64_t count, std::string_view word);
-// A linear colour as "#rrggbb" in sRGB.
-std::string hexColour(const glm::vec4& linear);
+// A linear color as "#rrggbb" in sRGB.
+std::string hexColor(const glm::vec4& linear);
 // Adds spaces on the right or on the left up to that many columns, counting characters, not bytes. Longer
 // text stays unchanged.
 std::string padRight(const std::string& text, std::size_t columns);

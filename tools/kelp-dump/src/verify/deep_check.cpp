@@ -167,9 +167,9 @@ const char* toString(DeepIssue issue) {
     case DeepIssue::kExtraVoxel:
       return "A level is solid where the next finer one is empty. Bake the pack again.";
     case DeepIssue::kSurfaceLacksAttribute:
-      return "A voxel of the surface has no colour and normal. Bake the pack again.";
+      return "A voxel of the surface has no color and normal. Bake the pack again.";
     case DeepIssue::kExtraAttribute:
-      return "A voxel that is not of the surface has a colour and normal. Bake the pack again.";
+      return "A voxel that is not of the surface has a color and normal. Bake the pack again.";
     case DeepIssue::kFogSample:
       return "A sample of fog is not the mean of the next finer level's, so fog changes from afar. Bake "
              "the pack again.";

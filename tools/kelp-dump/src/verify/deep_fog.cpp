@@ -34,8 +34,8 @@ bool bricksAgree(const LevelPlace& place, const StoredLevel& level, const FogSam
       };
       if (differs(level.raw.density, samples.density) || differs(level.raw.heat, samples.heat))
         seam.add(brick, at,
-                 stored ? "a neighbour holds another value"
-                        : "the brick is empty, and a neighbour holds fog at its edge");
+                 stored ? "a neighbor holds another value"
+                        : "the brick is empty, and a neighbor holds fog at its edge");
     }
   }
   seam.report(report);

@@ -5,7 +5,7 @@
 layout(location = 0) out vec4 paper_color;
 
 uniform highp usampler3D paper_attributes;  // palette entry | normal << 8; no normal: 0xffffff
-uniform highp sampler2D paper_palette;  // a row for each entry: colour | emissive and metallic | roughness
+uniform highp sampler2D paper_palette;  // a row for each entry: color | emissive and metallic | roughness
 uniform vec4 paper_tint;
 uniform mat3 paper_normal_to_world;
 

@@ -10,7 +10,7 @@ uniform int paper_segment_count;
 uniform ivec3 paper_size;  // voxels
 uniform float paper_step;  // the constant step, voxels
 #ifdef PAPER_DISTANCES
-uniform highp sampler3D paper_voxels;  // distance to the nearest solid voxel's centre; 0 in solid voxels
+uniform highp sampler3D paper_voxels;  // distance to the nearest solid voxel's center; 0 in solid voxels
 #define PAPER_FETCH(v) texelFetch(paper_voxels, v, 0).r
 #else
 uniform highp usampler3D paper_voxels;  // 1 empty, 0 solid

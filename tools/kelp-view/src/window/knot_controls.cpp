@@ -70,7 +70,7 @@ void drawKnot(Draft& draft, int index) {
     knot.tangent = automatic ? std::optional<glm::vec3>() : tangent;
     draft.changed = true;
   }
-  tip("Takes the tangent from the neighbours (Catmull-Rom).");
+  tip("Takes the tangent from the neighbors (Catmull-Rom).");
   ImGui::PopID();
 }
 

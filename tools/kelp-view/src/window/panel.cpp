@@ -45,7 +45,7 @@ void drawParts(const Model& model) {
 }
 
 void drawSurface(Stage& stage, Choices& choices, std::string& wrong) {
-  if (ImGui::BeginCombo("colours", toString(stage.surface()))) {
+  if (ImGui::BeginCombo("colors", toString(stage.surface()))) {
     for (int i = 0; i < static_cast<int>(Surface::kCount); ++i) {
       const auto surface = static_cast<Surface>(i);
       if (ImGui::Selectable(toString(surface), surface == stage.surface()) && surface != stage.surface())
@@ -99,7 +99,7 @@ void drawPanel(Stage& stage, Choices& choices, const std::optional<runtime::Hit>
     ImGui::Text("%.1f MiB on the GPU", static_cast<double>(stage.stats().gpu_bytes) / (1 << 20));
     if (under_mouse) {
       const glm::ivec3 v = under_mouse->voxel;
-      ImGui::Text("voxel %d %d %d of part %d, colour %d", v.x, v.y, v.z, under_mouse->part,
+      ImGui::Text("voxel %d %d %d of part %d, color %d", v.x, v.y, v.z, under_mouse->part,
                   under_mouse->material);
     } else {
       ImGui::TextDisabled("no voxel under the mouse");

@@ -25,7 +25,7 @@ extern const char* const kInterpolationNames[3];
 // Small controls; each answers true if the user changed the value.
 // A tooltip for the control before it. It stands beside the window, where it hides no number.
 void tip(const char* text);
-// A button that is grey and dead unless it is `enabled`.
+// A button that is gray and dead unless it is `enabled`.
 bool button(const char* label, bool enabled);
 bool choose(const char* label, int& index, const char* const* names, int count, float width);
 bool chooseKnot(const char* label, int& knot, std::size_t knots);

@@ -51,7 +51,7 @@ std::string Stage::paint(Surface surface) {
 }
 
 std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel) {
-  if (viewport.x == 0 || viewport.y == 0) return {};  // minimised
+  if (viewport.x == 0 || viewport.y == 0) return {};  // minimized
   glViewport(0, 0, viewport.x, viewport.y);
   glClearColor(0.15f, 0.18f, 0.21f, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -77,7 +77,7 @@ std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, f
   glEnable(GL_FRAMEBUFFER_SRGB);
   const auto drawn = renderer_->draw(view, {&instance, 1});
   const auto fog = renderer_->draw(view, {&instance, 1}, gl::Pass::kFog);
-  glDisable(GL_FRAMEBUFFER_SRGB);  // the panel's colours are encoded already
+  glDisable(GL_FRAMEBUFFER_SRGB);  // the panel's colors are encoded already
   if (!drawn || !fog) return describe(drawn ? fog.error() : drawn.error());
   stats_ = *drawn;
   stats_.instances += fog->instances;

@@ -13,7 +13,7 @@ namespace {
 // The six cells across the faces of the middle one of 27.
 constexpr int kFaces[6] = {4, 10, 12, 14, 16, 22};
 
-// A voxel with at most this many neighbours is the end of a tip, and stays.
+// A voxel with at most this many neighbors is the end of a tip, and stays.
 constexpr int kTip = 2;
 // Heights that differ by less than this part of a voxel are equal, so that rounding decides nothing.
 constexpr double kStep = 1.0 / 1024;
@@ -34,7 +34,7 @@ struct Beside {
   }
 };
 
-// True if the empty voxels across the faces of a voxel with these neighbours are connected around it.
+// True if the empty voxels across the faces of a voxel with these neighbors are connected around it.
 bool emptyHangTogether(std::uint32_t solid) {
   static const Beside beside;
   std::uint32_t faces = 0;
@@ -52,7 +52,7 @@ bool emptyHangTogether(std::uint32_t solid) {
   return (faces & ~reached) == 0;
 }
 
-// True if a voxel with these neighbours, solid or empty as `filled` says, leaves two solid voxels that share
+// True if a voxel with these neighbors, solid or empty as `filled` says, leaves two solid voxels that share
 // nothing but an edge of it: rays slip through there.
 bool leaks(std::uint32_t solid, bool filled) {
   for (int first = 0; first < 6; ++first) {
@@ -100,7 +100,7 @@ void ChangeRules::addEdges(std::vector<std::size_t>& side) const {
 }
 
 bool ChangeRules::isRim(std::size_t i, int below) const {
-  const std::uint32_t around = neighbourMask(voxels_, size_, voxelAt(size_, touched_[i]));
+  const std::uint32_t around = neighborMask(voxels_, size_, voxelAt(size_, touched_[i]));
   return std::any_of(std::begin(kFaces), std::end(kFaces), [&](int face) {
     return face != below && face != 26 - below && (around & (1u << face | 1u << (26 - face))) == 0;
   });
@@ -109,7 +109,7 @@ bool ChangeRules::isRim(std::size_t i, int below) const {
 bool ChangeRules::mayChange(std::size_t i, int below) const {
   const std::uint64_t index = touched_[i];
   const glm::ivec3 voxel = voxelAt(size_, index);
-  const std::uint32_t around = neighbourMask(voxels_, size_, voxel) & ~kCentreBit;
+  const std::uint32_t around = neighborMask(voxels_, size_, voxel) & ~kCenterBit;
   if ((around & (1u << below)) == 0 || std::popcount(around) <= kTip || !hangTogether(around) ||
       !emptyHangTogether(around))
     return false;
@@ -124,26 +124,26 @@ bool ChangeRules::mayChange(std::size_t i, int below) const {
   return true;
 }
 
-Nearest ChangeRules::nearestDrawn(const glm::dvec3& centre) const {
-  return bvh_.nearest(centre, kHalfDiagonal,
+Nearest ChangeRules::nearestDrawn(const glm::dvec3& center) const {
+  return bvh_.nearest(center, kHalfDiagonal,
                       [&](std::uint32_t i) { return mesh_.triangles[i].source != kCap; });
 }
 
 ChangeRules::Near ChangeRules::nearest(std::uint64_t index) const {
-  const glm::dvec3 centre = glm::dvec3(voxelAt(size_, index)) + 0.5;
-  const Nearest nearest = nearestDrawn(centre);
+  const glm::dvec3 center = glm::dvec3(voxelAt(size_, index)) + 0.5;
+  const Nearest nearest = nearestDrawn(center);
   if (nearest.triangle == kCap || !isSolid(nearest.triangle)) return {};
   const bool sheet =
-      bvh_.nearest(centre, kHalfDiagonal, [&](std::uint32_t i) { return !isSolid(i); }).triangle != kCap;
+      bvh_.nearest(center, kHalfDiagonal, [&](std::uint32_t i) { return !isSolid(i); }).triangle != kCap;
   const bool inside = voxels_[index] == kInside;
   // Towards the inside. On the surface itself that is against the triangle's normal.
-  glm::dvec3 down = glm::round((inside ? centre - nearest.point : nearest.point - centre) / kStep);
+  glm::dvec3 down = glm::round((inside ? center - nearest.point : nearest.point - center) / kStep);
   if (down == glm::dvec3(0)) down = -mesh_.areaVector(mesh_.triangles[nearest.triangle]);
   const glm::dvec3 size = glm::abs(down);
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   constexpr int kStride[3] = {1, 3, 9};
   const double height = std::round(std::sqrt(nearest.squared) / kStep) * kStep;
-  const glm::dvec3 away = glm::abs(nearest.point - centre);
+  const glm::dvec3 away = glm::abs(nearest.point - center);
   Near near;
   near.component = mesh_.triangles[nearest.triangle].component;
   near.height = static_cast<float>(inside ? -height : height);

@@ -24,8 +24,8 @@ class ChangeRules {
   // The surroundings of a touched voxel: the nearest body, if a solid one is nearest.
   struct Near {
     std::uint32_t component = kCap;  // kCap: none
-    float height = 0;                // of the voxel's centre above the surface, voxels; inside: below 0
-    std::uint8_t below = 0;          // the one of the six neighbours that lies deeper in the body
+    float height = 0;                // of the voxel's center above the surface, voxels; inside: below 0
+    std::uint8_t below = 0;          // the one of the six neighbors that lies deeper in the body
     bool sheet = false;              // a sheet or a wall is near too
     bool through = false;            // the nearest point of the body lies in the voxel
 
@@ -43,7 +43,7 @@ class ChangeRules {
   // would be left as a ridge.
   void addEdges(std::vector<std::size_t>& side) const;
 
-  // True if a solid voxel is the rim of a plate or the side of a blade: two opposite neighbours are empty,
+  // True if a solid voxel is the rim of a plate or the side of a blade: two opposite neighbors are empty,
   // other than the one below and its opposite.
   bool isRim(std::size_t i, int below) const;
 
@@ -54,7 +54,7 @@ class ChangeRules {
  private:
   Near nearest(std::uint64_t index) const;
   // The nearest triangle that is not a cap, within half a diagonal.
-  Nearest nearestDrawn(const glm::dvec3& centre) const;
+  Nearest nearestDrawn(const glm::dvec3& center) const;
   bool isSolid(std::uint32_t triangle) const {
     return mesh_.components[mesh_.triangles[triangle].component].solid;
   }

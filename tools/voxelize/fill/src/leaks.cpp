@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kVoxelsAtOnce = 1 << 20;
 
-// Two faces of a voxel that share an edge, as steps to the neighbours behind them.
+// Two faces of a voxel that share an edge, as steps to the neighbors behind them.
 struct Corner {
   glm::ivec3 a{0}, b{0};
 };
@@ -94,7 +94,7 @@ class GapCloser {
 
   bool closes(const glm::ivec3& voxel) const {
     static const std::array<Corner, 12> corners = makeCorners();
-    const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
+    const glm::dvec3 center = glm::dvec3(voxel) + 0.5;
     double own = -1;
     for (const Corner& corner : corners) {
       const std::uint8_t a = at(voxel + corner.a), b = at(voxel + corner.b);
@@ -102,10 +102,10 @@ class GapCloser {
       if (a == kEmpty || b == kEmpty || (a != kKept && b != kKept) ||
           at(voxel + corner.a + corner.b) != kEmpty)
         continue;
-      if (own < 0) own = distance(centre, kHalfDiagonal);
+      if (own < 0) own = distance(center, kHalfDiagonal);
       if (std::isinf(own)) return false;
-      if (std::isinf(distance(centre + 0.5 * beyond, kHalfDiagonal))) continue;
-      const double other = distance(centre + beyond, 2);
+      if (std::isinf(distance(center + 0.5 * beyond, kHalfDiagonal))) continue;
+      const double other = distance(center + beyond, 2);
       if (own < other || (own == other && beyond.x + 2 * beyond.y + 4 * beyond.z > 0)) return true;
     }
     return false;

@@ -23,7 +23,7 @@ constexpr double kMaxShared = 0.05;
 constexpr double kMaxCaps = 0.01;
 // This many voxels at one height are a flat side along the grid. It changes as a whole.
 constexpr std::size_t kFlat = 32;
-// Only voxels whose centres are nearer than this to the surface change, in voxels. At half a voxel a flat
+// Only voxels whose centers are nearer than this to the surface change, in voxels. At half a voxel a flat
 // side would move by a whole one.
 constexpr float kReach = 0.49f;
 
@@ -42,7 +42,7 @@ class Surplus {
       // The scanlines tell how much of the volume the component holds twice.
       body.volume = std::abs(component.volume) -
                     static_cast<double>(scanned[c].wound - scanned[c].length) * kLatticeStep;
-      body.surplus = static_cast<double>(scanned[c].centres) - body.volume;
+      body.surplus = static_cast<double>(scanned[c].centers) - body.volume;
     }
     sum();
   }
@@ -160,7 +160,7 @@ class VolumeChange {
     std::uint64_t index;
     std::uint8_t was;
   };
-  // One after the other, since each decides what its neighbours may do.
+  // One after the other, since each decides what its neighbors may do.
   std::vector<Changed> changeEach(const std::vector<std::size_t>& side, int below) {
     std::vector<std::uint8_t> rim(side.size(), 0);
     for (std::size_t at = 0; goes_ && at < side.size(); ++at) rim[at] = rules_.isRim(side[at], below) ? 1 : 0;

@@ -38,11 +38,11 @@ struct Winding {
   double since = 0;  // where it became that
 };
 
-// First pixel whose centre is at or beyond a lattice coordinate.
-std::int64_t firstCentre(std::int64_t lattice) { return (lattice - kUnit / 2 + kUnit - 1) >> kLatticeBits; }
+// First pixel whose center is at or beyond a lattice coordinate.
+std::int64_t firstCenter(std::int64_t lattice) { return (lattice - kUnit / 2 + kUnit - 1) >> kLatticeBits; }
 
-// First voxel whose centre is at or beyond `depth`.
-int firstCentre(double depth, int count) {
+// First voxel whose center is at or beyond `depth`.
+int firstCenter(double depth, int count) {
   return static_cast<int>(std::clamp(std::ceil(depth - 0.5), 0.0, static_cast<double>(count)));
 }
 
@@ -91,7 +91,7 @@ class Scanner {
   void scan(const std::vector<std::uint32_t>& triangles, const Patch& patch) {
     crossings_.clear();
     for (const std::uint32_t i : triangles) {
-      rasterise(mesh_.triangles[i], patch);
+      rasterize(mesh_.triangles[i], patch);
       if (crossings_.size() <= most_) continue;
       const int columns = patch.u1 - patch.u0, rows = patch.v1 - patch.v0;
       if (rows > 1) {
@@ -112,7 +112,7 @@ class Scanner {
     }
   }
 
-  void rasterise(const SolidTriangle& triangle, const Patch& patch) {
+  void rasterize(const SolidTriangle& triangle, const Patch& patch) {
     glm::i64vec3 a = mesh_.lattice[triangle.vertex[0]], b = mesh_.lattice[triangle.vertex[1]],
                  c = mesh_.lattice[triangle.vertex[2]];
     std::int64_t area = (b[u_] - a[u_]) * (c[v_] - a[v_]) - (b[v_] - a[v_]) * (c[u_] - a[u_]);
@@ -124,10 +124,10 @@ class Scanner {
       std::swap(b, c);
       area = -area;
     }
-    const std::int64_t u0 = std::max<std::int64_t>(patch.u0, firstCentre(std::min({a[u_], b[u_], c[u_]})));
+    const std::int64_t u0 = std::max<std::int64_t>(patch.u0, firstCenter(std::min({a[u_], b[u_], c[u_]})));
     const std::int64_t u1 =
         std::min<std::int64_t>(patch.u1 - 1, (std::max({a[u_], b[u_], c[u_]}) - kUnit / 2) >> kLatticeBits);
-    const std::int64_t v0 = std::max<std::int64_t>(patch.v0, firstCentre(std::min({a[v_], b[v_], c[v_]})));
+    const std::int64_t v0 = std::max<std::int64_t>(patch.v0, firstCenter(std::min({a[v_], b[v_], c[v_]})));
     const std::int64_t v1 =
         std::min<std::int64_t>(patch.v1 - 1, (std::max({a[v_], b[v_], c[v_]}) - kUnit / 2) >> kLatticeBits);
     const glm::i64vec3* corner[3] = {&a, &b, &c};
@@ -237,14 +237,14 @@ class Scanner {
   void count(const Winding& winding, double until) {
     const std::int64_t length = std::llround((until - winding.since) * static_cast<double>(kUnit));
     Scanned& its = scanned_[winding.component];
-    its.centres += firstCentre(until, size_[axis_]) - firstCentre(winding.since, size_[axis_]);
+    its.centers += firstCenter(until, size_[axis_]) - firstCenter(winding.since, size_[axis_]);
     its.length += length;
     its.wound += winding.number * length;
   }
 
   void fillStretch(std::uint8_t* line, double from, double to, bool drawn) {
-    const int first = firstCentre(from, size_[axis_]);
-    const int end = firstCentre(to, size_[axis_]);
+    const int first = firstCenter(from, size_[axis_]);
+    const int end = firstCenter(to, size_[axis_]);
     if (first >= end) {
       if (drawn) keep(line, (from + to) * 0.5);  // between two caps there is nothing that could be lost
     } else if (axis_ == 0) {                     // one axis fills; the others look for what it missed
@@ -304,7 +304,7 @@ std::vector<Scanned> fillScanlines(const Topology& mesh, const glm::ivec3& size,
         low = std::min(low, mesh.lattice[vertex][v]);
         high = std::max(high, mesh.lattice[vertex][v]);
       }
-      const std::int64_t first = std::clamp<std::int64_t>(firstCentre(low), 0, size[v]);
+      const std::int64_t first = std::clamp<std::int64_t>(firstCenter(low), 0, size[v]);
       const std::int64_t last = std::clamp<std::int64_t>((high - kUnit / 2) >> kLatticeBits, -1, size[v] - 1);
       for (std::int64_t slab = first / rows; first <= last && slab <= last / rows; ++slab)
         bins[static_cast<std::size_t>(slab)].push_back(i);
@@ -320,7 +320,7 @@ std::vector<Scanned> fillScanlines(const Topology& mesh, const glm::ivec3& size,
       for (std::size_t i = 0; i < here.size(); ++i) {
         scanned[i].faces += here[i].faces;
         scanned[i].shared += here[i].shared;
-        scanned[i].centres += here[i].centres;
+        scanned[i].centers += here[i].centers;
         scanned[i].length += here[i].length;
         scanned[i].wound += here[i].wound;
       }

@@ -33,7 +33,7 @@ struct Touching {
   }
 };
 
-// Calls visit(neighbour, its dense index) for the voxels of the volume at most `reach` away.
+// Calls visit(neighbor, its dense index) for the voxels of the volume at most `reach` away.
 template <class Visit>
 void forEachAround(const glm::ivec3& voxel, const glm::ivec3& size, int reach, const Visit& visit) {
   for (int z = std::max(0, voxel.z - reach); z <= std::min(size.z - 1, voxel.z + reach); ++z) {
@@ -99,7 +99,7 @@ class ThinParts {
   // any.
   bool keepLost() {
     choose([&](std::size_t, const glm::ivec3& voxel) {
-      return neighbours(voxel) == 0 && passingAny(voxel) != kCap;
+      return neighbors(voxel) == 0 && passingAny(voxel) != kCap;
     });
     setChosen(kLost);
     return std::find(chosen_.begin(), chosen_.end(), 1) != chosen_.end();
@@ -112,7 +112,7 @@ class ThinParts {
     const std::vector<std::uint8_t> by_thin = touchedByThin();
     choose(
         [&](std::size_t i, const glm::ivec3& voxel) {
-          const std::uint32_t mask = neighbours(voxel);
+          const std::uint32_t mask = neighbors(voxel);
           if (mask == 0 || (!by_thin[i] && !touchesLost(voxel))) return false;
           const std::uint32_t component = passingAny(voxel);
           if (component == kCap) return false;
@@ -180,11 +180,11 @@ class ThinParts {
   // nearest point of these lies outside the voxel.
   template <class Accept>
   std::uint32_t passing(const glm::ivec3& voxel, const Accept& accept) const {
-    const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
-    const Nearest nearest = bvh_.nearest(centre, kHalfDiagonal, [&](std::uint32_t i) {
+    const glm::dvec3 center = glm::dvec3(voxel) + 0.5;
+    const Nearest nearest = bvh_.nearest(center, kHalfDiagonal, [&](std::uint32_t i) {
       return mesh_.triangles[i].source != kCap && accept(mesh_.triangles[i].component);
     });
-    const glm::dvec3 away = glm::abs(nearest.point - centre);
+    const glm::dvec3 away = glm::abs(nearest.point - center);
     return nearest.triangle != kCap && std::max({away.x, away.y, away.z}) <= 0.5
                ? mesh_.triangles[nearest.triangle].component
                : kCap;
@@ -201,8 +201,8 @@ class ThinParts {
            mesh_.triangles[bvh_.nearest(glm::dvec3(voxel) + 0.5).triangle].component == component;
   }
 
-  std::uint32_t neighbours(const glm::ivec3& voxel) const {
-    return neighbourMask(voxels_, size_, voxel) & ~kCentreBit;
+  std::uint32_t neighbors(const glm::ivec3& voxel) const {
+    return neighborMask(voxels_, size_, voxel) & ~kCenterBit;
   }
 
   bool touchesLost(const glm::ivec3& voxel) const {
@@ -212,7 +212,7 @@ class ThinParts {
     return found;
   }
 
-  // The neighbours that belong to a component, as a mask of the 27 cells.
+  // The neighbors that belong to a component, as a mask of the 27 cells.
   std::uint32_t endsOf(std::uint32_t component, const glm::ivec3& voxel) const {
     std::uint32_t mask = 0;
     forEachAround(voxel, size_, 1, [&](const glm::ivec3& at, std::size_t index) {
@@ -282,8 +282,8 @@ bool hangTogether(std::uint32_t mask) {
   return reached == mask;
 }
 
-std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::ivec3& size,
-                            const glm::ivec3& voxel) {
+std::uint32_t neighborMask(const std::vector<std::uint8_t>& voxels, const glm::ivec3& size,
+                           const glm::ivec3& voxel) {
   std::uint32_t mask = 0;
   int bit = 0;
   const auto isInner = [](int at, int count) { return at > 0 && at < count - 1; };

@@ -14,7 +14,7 @@ namespace {
 // Half a voxel's side, and the rounding of a point that lies on its face.
 constexpr double kHalfSide = 0.5 + kLatticeStep;
 constexpr double kHalfDiagonal = 1.7320508 * kHalfSide;
-// Side of what a voxel's colour is averaged over, as log2 of voxels. All of a voxel (0) blurs pictures that
+// Side of what a voxel's color is averaged over, as log2 of voxels. All of a voxel (0) blurs pictures that
 // are finer than the voxels; less than this is further from the voxel's mean than what it gains at its middle
 // (the spider: 0.027 and 0.014 off in OKLab, here 0.019 and 0.015).
 constexpr float kLook = -1.2f;
@@ -74,15 +74,15 @@ bool SurfaceLook::isCutOut(const Nearest& nearest) const {
   return cutoff > 0 && colorAt(nearest, kWhole).a < cutoff;
 }
 
-Nearest SurfaceLook::nearestShown(const TriangleBvh& bvh, const glm::dvec3& centre) const {
-  return bvh.nearest(centre, kHalfDiagonal, [&](std::uint32_t i) {
+Nearest SurfaceLook::nearestShown(const TriangleBvh& bvh, const glm::dvec3& center) const {
+  return bvh.nearest(center, kHalfDiagonal, [&](std::uint32_t i) {
     const SolidTriangle& solid = mesh_.triangles[i];
     if (solid.source == kCap) return false;
     Nearest at;
     at.triangle = i;
-    at.point = nearestOnTriangle(centre, mesh_.position(solid.vertex[0]), mesh_.position(solid.vertex[1]),
+    at.point = nearestOnTriangle(center, mesh_.position(solid.vertex[0]), mesh_.position(solid.vertex[1]),
                                  mesh_.position(solid.vertex[2]), at.weights);
-    const glm::dvec3 away = glm::abs(at.point - centre);
+    const glm::dvec3 away = glm::abs(at.point - center);
     return std::max({away.x, away.y, away.z}) <= kHalfSide && !isCutOut(at);
   });
 }
@@ -106,7 +106,7 @@ std::vector<std::string> SurfaceLook::notices() const {
   return lines;
 }
 
-// Base colour, vertex colour and texture multiplied; each channel 0 to 1.
+// Base color, vertex color and texture multiplied; each channel 0 to 1.
 glm::vec4 SurfaceLook::colorAt(const Nearest& nearest, float footprint) const {
   const SolidTriangle& solid = mesh_.triangles[nearest.triangle];
   const SurfaceMaterial& source = materialOf(solid);

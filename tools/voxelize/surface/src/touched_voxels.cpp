@@ -114,9 +114,9 @@ Wide floorOf(Wide dividend, Wide divisor) {
   return dividend % divisor < 0 ? quotient - 1 : quotient;
 }
 
-class Rasteriser {
+class Rasterizer {
  public:
-  explicit Rasteriser(VoxelBits& bits) : bits_(bits) {}
+  explicit Rasterizer(VoxelBits& bits) : bits_(bits) {}
 
   void add(const glm::i64vec3& a, const glm::i64vec3& b, const glm::i64vec3& c) {
     const glm::i64vec3 low = glm::min(glm::min(a, b), c), high = glm::max(glm::max(a, b), c);
@@ -226,11 +226,11 @@ std::vector<std::uint64_t> touchedVoxels(const Topology& mesh, const glm::ivec3&
                                          const std::function<bool(const SolidTriangle&)>& accept) {
   VoxelBits bits(size);
   parallelRanges(mesh.triangles.size(), kTrianglesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
-    Rasteriser rasteriser(bits);
+    Rasterizer rasterizer(bits);
     for (std::size_t i = begin; i < end; ++i) {
       const SolidTriangle& triangle = mesh.triangles[i];
       if (triangle.source == kCap || (accept && !accept(triangle))) continue;
-      rasteriser.add(mesh.lattice[triangle.vertex[0]], mesh.lattice[triangle.vertex[1]],
+      rasterizer.add(mesh.lattice[triangle.vertex[0]], mesh.lattice[triangle.vertex[1]],
                      mesh.lattice[triangle.vertex[2]]);
     }
   });

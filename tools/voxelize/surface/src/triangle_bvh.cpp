@@ -83,7 +83,7 @@ bool TriangleBvh::meets(const Corners& triangle, const glm::dvec3& p, int axis, 
   return true;
 }
 
-// Halves by number of triangles along the widest spread of their centres, twice for a node: any soup, in any
+// Halves by number of triangles along the widest spread of their centers, twice for a node: any soup, in any
 // order, gives a balanced tree. What lies below the upper nodes grows on all threads.
 class TriangleBvh::Builder {
  public:
@@ -99,7 +99,7 @@ class TriangleBvh::Builder {
   void build(int threads) {
     parallelRanges(items_.size(), 1 << 14, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        items_[i] = {glm::vec3(centre(static_cast<std::uint32_t>(i))), static_cast<std::uint32_t>(i)};
+        items_[i] = {glm::vec3(center(static_cast<std::uint32_t>(i))), static_cast<std::uint32_t>(i)};
     });
     bvh_.order_.resize(items_.size());
     bvh_.corners_.resize(items_.size());
@@ -131,7 +131,7 @@ class TriangleBvh::Builder {
 
  private:
   struct Item {
-    glm::vec3 centre;
+    glm::vec3 center;
     std::uint32_t triangle;
   };
   struct Range {
@@ -145,7 +145,7 @@ class TriangleBvh::Builder {
     std::uint32_t root = 0;
   };
 
-  glm::dvec3 centre(std::uint32_t triangle) const {
+  glm::dvec3 center(std::uint32_t triangle) const {
     const auto& v = mesh_.triangles[triangle].vertex;
     return (mesh_.position(v[0]) + mesh_.position(v[1]) + mesh_.position(v[2])) / 3.0;
   }
@@ -154,14 +154,14 @@ class TriangleBvh::Builder {
     const auto begin = items_.begin() + range.begin, end = items_.begin() + range.end;
     glm::vec3 low(1e30f), high(-1e30f);
     for (auto item = begin; item != end; ++item) {
-      low = glm::min(low, item->centre);
-      high = glm::max(high, item->centre);
+      low = glm::min(low, item->center);
+      high = glm::max(high, item->center);
     }
     const glm::vec3 spread = high - low;
     const int axis = spread.x >= spread.y && spread.x >= spread.z ? 0 : (spread.y >= spread.z ? 1 : 2);
     const std::uint32_t middle = range.count() / 2;
     std::nth_element(begin, begin + middle, end, [axis](const Item& a, const Item& b) {
-      return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis] : a.triangle < b.triangle;
+      return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.triangle < b.triangle;
     });
     return range.begin + middle;
   }

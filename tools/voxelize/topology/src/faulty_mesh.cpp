@@ -25,7 +25,7 @@ class FaultyMeshMaker {
     chooseFaces();
     if (made_.triangles.empty()) return;
     if (winds_amiss_) {
-      findNeighbours();
+      findNeighbors();
       wind();
     }
     pairSides();
@@ -78,7 +78,7 @@ class FaultyMeshMaker {
     turned_.assign(made_.triangles.size(), false);
   }
 
-  void findNeighbours() {
+  void findNeighbors() {
     across_.assign(3 * made_.triangles.size(), kNone);
     forEachFaultyEdge([&](std::size_t begin, std::size_t end) {
       if (end - begin != 2) return;

@@ -67,7 +67,7 @@ bool enclosesNothing(const Component& c) {
 
 std::string whyOf(const Component& c, Fill fill) {
   if (fill == Fill::kSurface) return "surface as asked";
-  if (c.wall) return fill == Fill::kSolid ? "solid as asked" : "a wall modelled from both sides";
+  if (c.wall) return fill == Fill::kSolid ? "solid as asked" : "a wall modeled from both sides";
   if (enclosesNothing(c)) return "closed, but encloses nothing: its faces are there from both sides";
   if (c.closed) return "closed";
   if (c.solid)
@@ -128,7 +128,7 @@ FillCounts countFill(const Topology& mesh, std::uint64_t triangles) {
   return counts;
 }
 
-std::string summariseFill(const Topology& mesh, Fill fill) {
+std::string summarizeFill(const Topology& mesh, Fill fill) {
   std::size_t closed = 0, capped = 0, sheets = 0, walls = 0, hollow = 0;
   std::uint64_t holes = 0;
   double area = 0, cap_area = 0, least = 1e30, most = 0;
@@ -165,7 +165,7 @@ std::string summariseFill(const Topology& mesh, Fill fill) {
   if (sheets > 0)
     text += fmt::format(", {} open sheet{} kept as surface ({})", sheets, sheets == 1 ? "" : "s",
                         holesOf(least, most));
-  if (walls > 0) text += fmt::format(", {} wall{} modelled from both sides", walls, walls == 1 ? "" : "s");
+  if (walls > 0) text += fmt::format(", {} wall{} modeled from both sides", walls, walls == 1 ? "" : "s");
   return text;
 }
 

@@ -42,7 +42,7 @@ bool runsUpward(const std::array<std::uint32_t, 3>& v) {
   return (v[0] < v[1]) + (v[1] < v[2]) + (v[2] < v[0]) == 2;
 }
 
-// A face modelled twice (once for each side, or by mistake) would make every edge look closed and the inside
+// A face modeled twice (once for each side, or by mistake) would make every edge look closed and the inside
 // vanish: the first one stays, marked as a wall if there were as many for one side as for the other.
 // Triangles that have collapsed to a line or a point go.
 void removeDuplicates(Topology& mesh, int threads) {
@@ -84,7 +84,7 @@ DisjointSets joinedByEdges(const Topology& mesh, const std::vector<Edge>& edges)
   return sets;
 }
 
-// A face modelled from both sides is the skin of a body (all of it is modelled so), a sheet, a leaf on a
+// A face modeled from both sides is the skin of a body (all of it is modeled so), a sheet, a leaf on a
 // body, or the wall between two bodies that touch. The last two are no part of any skin, and known by this:
 // the rest of what hangs together has a shorter boundary without them.
 void findWalls(Topology& mesh, int threads) {
@@ -161,7 +161,7 @@ void measure(Topology& mesh, const std::vector<SolidTriangle>& fans) {
 
 }  // namespace
 
-Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill, int threads) {
+Topology analyze(const TriangleSoup& soup, const Frame& frame, Fill fill, int threads) {
   Topology mesh;
   weld(soup, frame, mesh);
   removeDuplicates(mesh, threads);
@@ -173,7 +173,7 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill, int th
     mesh.closed = mesh.closed && (c.closed || c.wall);
     c.solid = fill == Fill::kSolid ||
               (fill == Fill::kAuto && !c.wall && (c.closed || c.cap_area <= kMaxHoleShare * c.area));
-    // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either.
+    // 2 V / A is a plate's thickness and a wire's radius; below, centers alone would miss much of either.
     c.thin = !c.solid || 2.0 * std::abs(c.volume) <= 0.75 * (c.area + c.cap_area);
   }
   for (const SolidTriangle& t : fans) {
@@ -182,7 +182,7 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill, int th
   for (SolidTriangle& t : mesh.triangles) {
     if (mesh.components[t.component].solid && mesh.components[t.component].volume < 0) t.turn();
   }
-  mesh.summary = summariseFill(mesh, fill);
+  mesh.summary = summarizeFill(mesh, fill);
   return mesh;
 }
 

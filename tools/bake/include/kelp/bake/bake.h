@@ -26,7 +26,7 @@ namespace kelp::bake {
 // The options of a bake.
 struct Settings : ImportSettings {
   Fill fill = Fill::kAuto;
-  std::optional<std::filesystem::path> palette_file;  // the palette's colours; see readPalette
+  std::optional<std::filesystem::path> palette_file;  // the palette's colors; see readPalette
   // Two of the file's materials never share a palette entry. Not together with palette_file.
   bool keep_materials = false;
   int levels = 0;        // how many; 0: until a level is a single brick
@@ -44,7 +44,7 @@ struct Report {
   struct Part {
     std::string name, rig_origin, fill;
     glm::ivec3 size{0};
-    double voxel_size = 0;  // metres
+    double voxel_size = 0;  // meters
     std::uint64_t triangles = 0, solid_voxels = 0, surface_voxels = 0, bricks = 0;
     bool fog = false;
     std::uint64_t fog_voxels = 0;  // with density above 0; a fog part has no solid_voxels
@@ -81,7 +81,7 @@ struct Report {
   std::uint64_t palette_entries = 0;
   // with Settings::keep_materials: the material of each palette entry
   std::vector<std::string> palette_materials;
-  // mean distance in OKLab between a surface voxel's colour and its palette entry
+  // mean distance in OKLab between a surface voxel's color and its palette entry
   double palette_error = 0;
   std::uint64_t estimated_bytes = 0;  // of memory, announced before the work
   std::uint64_t pack_bytes = 0;
@@ -89,8 +89,8 @@ struct Report {
 };
 
 // --- 1. palette ----------------------------------------------------------------------------------
-// The 1 to 256 base colours, linear, of a palette file: a GIMP palette (.gpl, in its order), or a picture
-// (row by row from the top left; each colour once; transparent pixels are skipped). Throws ToolError kIo or
+// The 1 to 256 base colors, linear, of a palette file: a GIMP palette (.gpl, in its order), or a picture
+// (row by row from the top left; each color once; transparent pixels are skipped). Throws ToolError kIo or
 // kInvalid. Safe for hostile input.
 std::vector<glm::vec3> readPalette(const std::filesystem::path& path, FilesUsed* used = nullptr);
 
@@ -98,7 +98,7 @@ struct PaletteRules {
   // The palette of a file that has one (MagicaVoxel); otherwise empty. Kept as it is: SurfaceSample::source
   // is the index. Not together with `colors`.
   std::vector<Material> entries;
-  // If not empty, the palette's colours in this order; each voxel gets the nearest in OKLab. Metallic,
+  // If not empty, the palette's colors in this order; each voxel gets the nearest in OKLab. Metallic,
   // roughness and emission of an entry are means over its voxels.
   std::vector<glm::vec3> colors;
   bool keep_materials = false;  // samples with different sources never share an entry

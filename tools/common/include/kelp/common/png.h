@@ -12,7 +12,7 @@
 namespace kelp {
 
 // Writes 8-bit sRGB pixels, row by row from the top, to `file` and commits it. 4 channels: RGBA, alpha not
-// premultiplied. 1 channel: grey. `pixels` holds size.x * size.y * channels bytes. ToolError kIo, or kRuntime
+// premultiplied. 1 channel: gray. `pixels` holds size.x * size.y * channels bytes. ToolError kIo, or kRuntime
 // if libpng fails.
 void writePng(OutputFile&& file, const glm::ivec2& size, int channels, std::span<const std::uint8_t> pixels);
 

@@ -29,18 +29,18 @@ struct Occupancy {
   std::size_t index(const glm::ivec3& v) const { return denseIndex(size, v); }
 };
 
-// squared[i] = squared distance, in voxels, from the centre of voxel i to the centre of the nearest voxel
+// squared[i] = squared distance, in voxels, from the center of voxel i to the center of the nearest voxel
 // whose `set` is not 0; exact. Separable lower envelopes after Felzenszwalb and Huttenlocher / Maurer et al.
 // 2003, in integers. Throws std::invalid_argument on sizes that do not match or exceed kMaxSide.
 void squaredDistance(std::span<const std::uint8_t> set, const glm::ivec3& size,
                      std::span<std::uint32_t> squared, int threads);
 
-// The index (x + size.x (y + size.y z)) of a set voxel whose centre is nearest to voxel i's; kNoFeature if
+// The index (x + size.x (y + size.y z)) of a set voxel whose center is nearest to voxel i's; kNoFeature if
 // none is set. Plain loops. Throws std::invalid_argument as above, and for volumes of 2^32 - 1 voxels and
 // more.
 std::vector<std::uint32_t> nearestSet(std::span<const std::uint8_t> set, const glm::ivec3& size, int threads);
 
-// Occupancy dilated by one voxel in the 26-neighbourhood, clipped to the volume.
+// Occupancy dilated by one voxel in the 26-neighborhood, clipped to the volume.
 std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads);
 
 // Squared clearance of every voxel: for empty voxels the squared distance between its closed cube and the
@@ -55,7 +55,7 @@ struct SurfaceVoxel {
   std::uint32_t attribute = 0;
 };
 
-// Indices of the solid voxels with an empty voxel, or the outside, among their 26 neighbours; ascending.
+// Indices of the solid voxels with an empty voxel, or the outside, among their 26 neighbors; ascending.
 std::vector<std::uint64_t> surfaceVoxels(const SolidBits& bits, int threads);
 std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads);
 

@@ -13,7 +13,7 @@ namespace kelp::fields {
 struct Occupancy;
 
 // A bit for each voxel of a volume: 1 if it is solid. Rows are whole words, one of them an empty margin, so
-// that code which reads a voxel's neighbours needs no checks of bounds; a row takes 16 bytes at least.
+// that code which reads a voxel's neighbors needs no checks of bounds; a row takes 16 bytes at least.
 // Reading is safe on any number of threads, and so is writing to different rows.
 class SolidBits {
  public:

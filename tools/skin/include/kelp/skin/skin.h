@@ -56,7 +56,7 @@ void checkSkinRig(const SourcePart& part);
 // Divides `whole`, the voxels of `part` of the model in `frame`, among parts that follow its skin: those that
 // follow it best, or those that `part.rig.skin` asks for, which checkSkinRig has accepted. Every
 // solid voxel is in at least one part, and no part has others; straightened voxels are within one of their
-// place. Each part also has some of its neighbours' voxels, so that bends stay closed. The same result with
+// place. Each part also has some of its neighbors' voxels, so that bends stay closed. The same result with
 // any number of threads. ToolError kInterrupted if `progress`, told 0 to 1 in "skin", asks to stop.
 SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Frame& frame,
                      const VoxelGrid& whole, int threads, const Progress& progress);

@@ -17,11 +17,11 @@ struct Frame {
   glm::dmat4 node_to_voxel{1};
 };
 // The rig frame of a soup: its bounding box, turned so that the rig's axis is +y. `what` names the part in
-// errors; `metres` is the length of a unit of the soup, for errors too. ToolError kUsage for a voxel size
+// errors; `meters` is the length of a unit of the soup, for errors too. ToolError kUsage for a voxel size
 // that is not positive or makes too many voxels; kInvalid for a soup that is empty, not finite, or so far
 // from its origin that voxels cannot be told apart.
 Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const std::string& what,
-                double metres = 1);
+                double meters = 1);
 
 // The most level-0 voxels along a side: what the pack reader accepts by default.
 inline constexpr int kMaxResolution = 8192;

@@ -33,11 +33,11 @@ struct ImportSettings {
   int resolution = 128;
   // the user asked for the resolution: volumes, which have their own voxels, are resampled to it
   bool resolution_given = false;
-  // metres, after `unit`. .vox and .binvox keep their voxels: for them, how large a voxel is
+  // meters, after `unit`. .vox and .binvox keep their voxels: for them, how large a voxel is
   std::optional<double> voxel_size;
   std::optional<Axis> axis;  // for rigs that name none; absent: `up`
   std::optional<Axis> up;    // the file's axis that points up, the object's +y; absent: +y
-  double unit = 1;           // metres to a unit of the file, 1e-6 to 1e6
+  double unit = 1;           // meters to a unit of the file, 1e-6 to 1e6
   // empty voxels on every side of a part, 0 to 1024; none along the axis of a part that bends
   int pad = 0;
   std::optional<std::filesystem::path> rig_file;
@@ -50,14 +50,14 @@ struct ImportSettings {
   std::optional<Moment> at;
   VolumeKind volume = VolumeKind::kAuto;
   std::optional<std::string> grid;  // of a volume file with several: its name, or else its index
-  // the Vec3 grid that colours a solid; absent: Cd or color if there is one
+  // the Vec3 grid that colors a solid; absent: Cd or color if there is one
   std::optional<std::string> color_grid;
   // the grid that makes fog glow; absent: flame, flames, heat or temperature if there is one; empty: none
   std::optional<std::string> heat_grid;
   // the value at the surface of a solid; absent: 0 for level sets, half the greatest value for others
   std::optional<double> isovalue;
   double density = 1;  // factor on the densities of fog, > 0
-  // a palette of the colours that fog glows in, cold to hot; absent: those of a black body
+  // a palette of the colors that fog glows in, cold to hot; absent: those of a black body
   std::optional<std::filesystem::path> ramp_file;
   std::optional<int> frame;      // of a MagicaVoxel animation; absent: the first
   int threads = 0;               // 0: all

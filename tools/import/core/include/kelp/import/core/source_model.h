@@ -23,7 +23,7 @@ struct Image {
   std::string name;
   int width = 0;
   int height = 0;
-  bool srgb = true;  // the colour channels; alpha is always linear
+  bool srgb = true;  // the color channels; alpha is always linear
   std::vector<std::uint8_t> rgba;
 };
 
@@ -40,7 +40,7 @@ struct SurfaceMap {
 
 struct SurfaceMaterial {
   std::string name;
-  glm::vec4 base_color{1};  // linear; multiplies texture and vertex colour
+  glm::vec4 base_color{1};  // linear; multiplies texture and vertex color
   int texture = -1;         // index into SourceModel::images
   Wrap wrap_u = Wrap::kRepeat;
   Wrap wrap_v = Wrap::kRepeat;
@@ -51,11 +51,11 @@ struct SurfaceMaterial {
   SurfaceMap glow_map;   // multiplies emissive
   SurfaceMap metal_map;  // green multiplies roughness, blue metallic
   bool double_sided = false;
-  // sheets are cut out where the alpha of base_color x texture x vertex colour is below this; 0: nowhere
+  // sheets are cut out where the alpha of base_color x texture x vertex color is below this; 0: nowhere
   float alpha_cutoff = 0;
 };
 
-// Triangles in the space of their part's node, in metres for glTF, in file units otherwise.
+// Triangles in the space of their part's node, in meters for glTF, in file units otherwise.
 // Attributes belong to triangle corners, so that seams need no vertex splits. Vertices with equal positions
 // are one vertex.
 struct TriangleSoup {
@@ -66,9 +66,9 @@ struct TriangleSoup {
   std::vector<glm::vec3> positions;
   std::vector<Triangle> triangles;
   std::vector<std::array<glm::vec2, 3>> uvs;  // empty, or one a triangle
-  // each likewise: for pictures with other coordinates than the base colour's
+  // each likewise: for pictures with other coordinates than the base color's
   std::array<std::vector<std::array<glm::vec2, 3>>, 2> more_uvs;
-  // empty, or one a triangle; linear, multiplies the base colour
+  // empty, or one a triangle; linear, multiplies the base color
   std::vector<std::array<glm::vec4, 3>> colors;
   // empty, or one a triangle: which vertices of its part's SourceSkin the corners are
   std::vector<std::array<std::uint32_t, 3>> skinned;
@@ -126,7 +126,7 @@ struct VoxelGrid {
 };
 
 // Smoke, clouds, scans. In its rig frame, as VoxelGrid. A sample is the mean over its voxel; between voxel
-// centres the field is trilinear, outside the volume it is zero.
+// centers the field is trilinear, outside the volume it is zero.
 struct FogGrid {
   glm::ivec3 size{0};
   glm::mat4x3 to_node{1};  // voxels -> the node's space

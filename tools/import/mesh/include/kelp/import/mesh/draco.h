@@ -36,7 +36,7 @@ struct DracoMesh {
 // Decodes a Draco mesh with the attributes of `ids`; each has a name for messages. DracoError if that fails.
 // Safe for hostile input: the declared counts are checked against the stream's length before memory is taken.
 DracoMesh decodeDraco(std::span<const std::uint8_t> bytes, const std::map<std::uint32_t, std::string>& ids);
-// The same for a .drc file: its positions and, if it has them, colours.
+// The same for a .drc file: its positions and, if it has them, colors.
 DracoMesh decodeDraco(std::span<const std::uint8_t> bytes);
 
 }  // namespace kelp::bake

@@ -38,7 +38,7 @@ struct VoxelBox {
   VoxelPoint size() const { return high - low + VoxelPoint(1); }
 };
 
-// The material of solid voxels without a colour: a light grey.
+// The material of solid voxels without a color: a light gray.
 inline const Material kUnpainted{glm::vec4(0.6f, 0.6f, 0.6f, 1), glm::vec3(0), 0, 1};
 
 // A box of voxels in the axes of a part's rig.

@@ -24,14 +24,14 @@ struct Scanned {
   // of `faces`: inside another solid component, or where one begins or ends
   std::int64_t shared = 0;
   // Only along x. Lengths in units of 2^-kLatticeBits voxel.
-  std::int64_t centres = 0;  // voxel centres inside it
+  std::int64_t centers = 0;  // voxel centers inside it
   std::int64_t length = 0;   // of scanlines inside it
   std::int64_t wound = 0;    // length times winding number: larger where the component overlaps itself
 };
 
-// Sets a voxel to kInside if its centre is inside a solid component: winding number not 0. Sets it to kKept
-// where the centres miss something: a sheet that a scanline through voxel centres crosses along x, y or z, or
-// a stretch of the inside between two centres. So along the three axes a scanline meets a solid voxel exactly
+// Sets a voxel to kInside if its center is inside a solid component: winding number not 0. Sets it to kKept
+// where the centers miss something: a sheet that a scanline through voxel centers crosses along x, y or z, or
+// a stretch of the inside between two centers. So along the three axes a scanline meets a solid voxel exactly
 // where it meets the mesh. `voxels` holds size.x * size.y * size.z values. Returns the counts of each
 // component, as if its caps were part of the mesh.
 std::vector<Scanned> fillScanlines(const Topology& mesh, const glm::ivec3& size, int threads,
@@ -46,11 +46,11 @@ void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vect
 
 // A bit for each of the 27 voxels around `voxel`, itself included, that is not empty: bit x + 3 (y + 3 z)
 // with x, y, z from 0 to 2. Voxels outside the grid are empty.
-constexpr std::uint32_t kCentreBit = 1u << 13;
-std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::ivec3& size,
-                            const glm::ivec3& voxel);
+constexpr std::uint32_t kCenterBit = 1u << 13;
+std::uint32_t neighborMask(const std::vector<std::uint8_t>& voxels, const glm::ivec3& size,
+                           const glm::ivec3& voxel);
 
-// True if the voxels of such a mask, without the centre, are connected by faces, edges or corners.
+// True if the voxels of such a mask, without the center, are connected by faces, edges or corners.
 bool hangTogether(std::uint32_t mask);
 
 // If two voxels of a thin part touch only along an edge, a ray through that edge passes between them, because
@@ -65,10 +65,10 @@ void closeDiagonalGaps(const Topology& mesh, const TriangleBvh& bvh, const glm::
 // What changes: twigs and walls a few voxels thick, where both sides lie on the grid in the same way all over
 // (1.5 voxels become two), and voxels that scanlines keep where a slender body is seen edge-on.
 //
-// Voxels nearest to the surface change first; none changes whose centre is half a voxel away or more. A flat
+// Voxels nearest to the surface change first; none changes whose center is half a voxel away or more. A flat
 // side along the grid changes as a whole or not at all. A voxel is removed only if its body continues beneath
 // it. No change may connect, separate, open or close anything, edges between voxels included, so plates of
-// one voxel, wires and tips lose nothing. No point of the mesh gets farther than 1.6 voxels from the centre
+// one voxel, wires and tips lose nothing. No point of the mesh gets farther than 1.6 voxels from the center
 // of a solid voxel. Left alone: sheets, bodies inside or touching others (only the outside of the union is
 // seen), bodies with caps on more than 1 % of their surface, and bodies thinner than a voxel.
 //

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The material of a mesh at a point: material, texture, vertex colour, cut-outs.
+// The material of a mesh at a point: material, texture, vertex color, cut-outs.
 #pragma once
 
 #include <array>
@@ -33,9 +33,9 @@ class SurfaceLook {
   // True if a sheet's alpha, averaged over a voxel, is below its material's cutoff there. False on solid
   // components and caps.
   bool isCutOut(const Nearest& nearest) const;
-  // The nearest point in the voxel around `centre` of a triangle that is not cut out there. Nearest::triangle
+  // The nearest point in the voxel around `center` of a triangle that is not cut out there. Nearest::triangle
   // is kCap if there is none.
-  Nearest nearestShown(const TriangleBvh& bvh, const glm::dvec3& centre) const;
+  Nearest nearestShown(const TriangleBvh& bvh, const glm::dvec3& center) const;
 
   // Notices for the user, one line each.
   std::vector<std::string> notices() const;

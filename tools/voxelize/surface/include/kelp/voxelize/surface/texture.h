@@ -12,7 +12,7 @@ class TexturePyramid {
   explicit TexturePyramid(const Image& image);
 
   // Linear RGBA at (u, v), in texture widths and heights. Interpolates between the two levels around `lod` (0
-  // or less: the image itself, 1: half its size, ...). Colours are weighted by alpha, so transparent texels
+  // or less: the image itself, 1: half its size, ...). Colors are weighted by alpha, so transparent texels
   // do not bleed.
   glm::vec4 sample(glm::vec2 uv, float lod, Wrap wrap_u, Wrap wrap_v, bool nearest) const;
 

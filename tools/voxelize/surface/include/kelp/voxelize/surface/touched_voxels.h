@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The voxels that triangles touch: an exact rasteriser on the lattice of the fill.
+// The voxels that triangles touch: an exact rasterizer on the lattice of the fill.
 #pragma once
 
 #include <functional>

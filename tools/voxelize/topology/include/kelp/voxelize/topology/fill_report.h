@@ -43,13 +43,13 @@ struct Diagnosis {
 
 // The result of a fill, after welding to a fraction of a voxel.
 struct FillCounts {
-  // components are connected by edges; walls are faces between bodies, modelled from both sides
+  // components are connected by edges; walls are faces between bodies, modeled from both sides
   std::uint64_t components = 0, closed = 0, capped = 0, sheets = 0, walls = 0;
   // triangles left out: duplicates, or degenerate ones
   std::uint64_t doubled = 0;
   std::uint64_t turned = 0;         // triangles with the wrong winding
   std::uint64_t cap_triangles = 0;  // triangles that close holes
-  // solid voxels whose centre is in no body: sheets, and parts thinner than a voxel
+  // solid voxels whose center is in no body: sheets, and parts thinner than a voxel
   std::uint64_t kept_voxels = 0;
   Diagnosis diagnosis;  // of all components
 };
@@ -71,7 +71,7 @@ MeshCounts countMesh(const TriangleSoup& soup, int threads = 1);
 // All of FillCounts except kept_voxels. `triangles`: of the mesh in the file.
 FillCounts countFill(const Topology& mesh, std::uint64_t triangles);
 // One line for the part.
-std::string summariseFill(const Topology& mesh, Fill fill);
+std::string summarizeFill(const Topology& mesh, Fill fill);
 // One entry per component, the largest kMaxComponentReports by area, in that order.
 std::vector<ComponentReport> describeComponents(const Topology& mesh, Fill fill);
 

@@ -26,7 +26,7 @@ struct SolidTriangle {
   // corners 1 and 2 are swapped against the soup: the triangle's winding was wrong. In a sheet: it differed
   // from most of the triangles around it.
   bool swapped = false;
-  // modelled from both sides, and the component it is attached to is nearer to closed without it
+  // modeled from both sides, and the component it is attached to is nearer to closed without it
   bool wall = false;
 
   void turn() {
@@ -73,6 +73,6 @@ inline constexpr double kMaxHoleShare = 0.17;
 // A fan from a point to that cycle closes the component exactly, whatever the shape of the holes, so the
 // signed crossings along any line sum to zero. kAuto: solid if the fans are small beside the surface.
 // kSolid, kSurface: all are.
-Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill, int threads = 1);
+Topology analyze(const TriangleSoup& soup, const Frame& frame, Fill fill, int threads = 1);
 
 }  // namespace kelp::bake

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The colours of real textured models at 256 voxels against their textures, sampled anew at the nearest point
+// The colors of real textured models at 256 voxels against their textures, sampled anew at the nearest point
 // of the mesh.
 #include <gtest/gtest.h>
 
@@ -87,9 +87,9 @@ struct TexturedFile {
 
 void PrintTo(const TexturedFile& file, std::ostream* out) { *out << file.path; }
 
-class ColourTruth : public testing::TestWithParam<TexturedFile> {};
+class ColorTruth : public testing::TestWithParam<TexturedFile> {};
 
-TEST_P(ColourTruth, IsTheTextures) {
+TEST_P(ColorTruth, IsTheTextures) {
   KELP_ASSET(path, GetParam().path);
   const bake::SourceModel model = bake::importFile(path, {});
   const bake::TriangleSoup& soup = model.parts[0].soup;
@@ -100,24 +100,24 @@ TEST_P(ColourTruth, IsTheTextures) {
   const test::MeshTruth truth(soup, frame);
   // Where a texture is finer than the voxels, what lies at a voxel's middle and the mean over the voxel
   // differ by its detail: both must be near.
-  const auto overVoxel = [&](const dvec3& centre) {
+  const auto overVoxel = [&](const dvec3& center) {
     dvec3 sum(0);
     for (int k = 0; k < 27; ++k)
-      sum += colorAt(model, truth.nearest(centre + (dvec3(k % 3, k / 3 % 3, k / 9) - 1.0) / 3.0));
+      sum += colorAt(model, truth.nearest(center + (dvec3(k % 3, k / 3 % 3, k / 9) - 1.0) / 3.0));
     return sum / 27.0;
   };
   double error = 0, mean_error = 0, light = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < result.grid.surface.size(); i += 29) {
     const std::uint64_t index = result.grid.surface[i].index;
-    const dvec3 centre(static_cast<double>(index % static_cast<std::uint64_t>(frame.size.x)) + 0.5,
+    const dvec3 center(static_cast<double>(index % static_cast<std::uint64_t>(frame.size.x)) + 0.5,
                        static_cast<double>(index / static_cast<std::uint64_t>(frame.size.x) %
                                            static_cast<std::uint64_t>(frame.size.y)) +
                            0.5,
                        static_cast<double>(index / static_cast<std::uint64_t>(frame.size.x) /
                                            static_cast<std::uint64_t>(frame.size.y)) +
                            0.5);
-    const dvec3 want = oklab(colorAt(model, truth.nearest(centre))), mean = oklab(overVoxel(centre));
+    const dvec3 want = oklab(colorAt(model, truth.nearest(center))), mean = oklab(overVoxel(center));
     const dvec3 got = oklab(dvec3(palette.entries[palette.indices[0][i]].base_color));
     error += glm::distance(want, got);
     mean_error += glm::distance(mean, got);
@@ -137,7 +137,7 @@ TEST_P(ColourTruth, IsTheTextures) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Textured, ColourTruth,
+    Textured, ColorTruth,
     testing::Values(
         TexturedFile{"duck", "gltf/draco_testdata/Duck.glb"},
         TexturedFile{"fox", "gltf/draco_testdata/Fox/Fox.gltf"},
@@ -148,7 +148,7 @@ INSTANTIATE_TEST_SUITE_P(
         TexturedFile{"sphere",
                      "gltf/draco_testdata/SphereTwoMaterials/sphere_two_materials_mesh_and_point_cloud.gltf"},
         TexturedFile{"wraps", "gltf/draco_testdata/TextureSettingsTest/TextureSettingsTest.gltf"},
-        TexturedFile{"vertex_colours", "gltf/draco_testdata/VertexColorTest/VertexColorTest.gltf"}),
+        TexturedFile{"vertex_colors", "gltf/draco_testdata/VertexColorTest/VertexColorTest.gltf"}),
     [](const auto& file) { return std::string(file.param.name); });
 
 }  // namespace

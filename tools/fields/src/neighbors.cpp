@@ -53,7 +53,7 @@ std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads) {
   const Kernels& kernels = fastKernels();
   parallelFor(
       size.z, grainOf(std::int64_t{size.x} * size.y), threads, [&](std::int64_t begin, std::int64_t end) {
-        const std::unique_ptr<std::uint8_t[]> scratch(new std::uint8_t[neighbourScratch(size.x)]);
+        const std::unique_ptr<std::uint8_t[]> scratch(new std::uint8_t[neighborScratch(size.x)]);
         const std::uint8_t* rows[9];
         for (int z = static_cast<int>(begin); z < end; ++z) {
           for (int y = 0; y < size.y; ++y) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is known of real files from outside kelp: where in the world they have a surface, and of what colour.
+// What is known of real files from outside kelp: where in the world they have a surface, and of what color.
 // The figures come from a second reading of the files (accessors, node matrices, skins and PNGs by another
 // program, rays against the triangles in double precision) and were looked at in pictures. Nothing here calls
 // an importer, so a swapped axis, a lost matrix or a turned texture has nowhere to hide.
@@ -116,9 +116,9 @@ int srgbOf(float linear) {
       std::lround(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055)));
 }
 
-class PinnedColours : public testing::TestWithParam<std::size_t> {};
+class PinnedColors : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(PinnedColours, AreWhereTheyBelongInTheWorld) {
+TEST_P(PinnedColors, AreWhereTheyBelongInTheWorld) {
   const Pinned& file = pinned()[GetParam()];
   KELP_ASSET(path, file.path);
   bake::Settings settings;
@@ -157,7 +157,7 @@ TEST_P(PinnedColours, AreWhereTheyBelongInTheWorld) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(RealFiles, PinnedColours, testing::Range(std::size_t{0}, pinned().size()),
+INSTANTIATE_TEST_SUITE_P(RealFiles, PinnedColors, testing::Range(std::size_t{0}, pinned().size()),
                          [](const auto& index) { return std::string(pinned()[index.param].name); });
 
 }  // namespace
