@@ -100,9 +100,10 @@ Result<void> readContainer(const Source& source, const PackLimits& limits, const
   }
   if (there < kHeaderBytes) return Error{ErrorCode::kTruncated, "the file ends within its header", there};
   if (load<std::uint16_t>(header, 12) > kFormatMajor)
-    return Error{ErrorCode::kUnsupportedVersion, "the pack was written by a newer kelp", 12};
+    return Error{ErrorCode::kUnsupportedVersion, "the pack was written by a newer kelp; update kelp", 12};
   if (load<std::uint16_t>(header, 12) < kFormatMajor)
-    return Error{ErrorCode::kUnsupportedVersion, "the pack has the layout of an older kelp", 12};
+    return Error{ErrorCode::kUnsupportedVersion, "the pack has the layout of an older kelp; bake it again",
+                 12};
   out.minor = load<std::uint16_t>(header, 14);
   out.file_size = load<std::uint64_t>(header, 16);
   if (source.size < out.file_size)

@@ -39,7 +39,7 @@ Result<void> Asset::Impl::prepareLevels() {
     first_level[2 * part] = total;
     total += static_cast<std::uint32_t>(pack.parts()[part].levels);
     first_level[2 * part + 1] = total;
-    if (options.distance_level >= 0)
+    if (options.distance_level)
       total += static_cast<std::uint32_t>(pack.distanceLevels(static_cast<int>(part)));
   }
   first_level[2 * parts] = total;
@@ -258,6 +258,9 @@ Asset::~Asset() {
 }
 
 Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const AssetOptions& options) {
+  if (options.distance_level.value_or(0) < 0)
+    return Error{ErrorCode::kMisuse,
+                 "AssetOptions::distance_level is below 0; leave it empty for no distances"};
   Result<Pack> pack = Pack::open(source, options.limits, options.allocator);
   if (!pack) return pack.error();
   std::unique_ptr<Impl> impl(new (std::nothrow) Impl(*std::move(pack), options));

@@ -46,9 +46,18 @@ bool isPart(const Instance& instance, int part) {
          static_cast<std::size_t>(part) < instance.asset->pack().parts().size();
 }
 
-// True if the part exists, and the pose has knots for it.
-bool isPosed(const Instance& instance, int part) {
-  return isPart(instance, part) && knotsOf(instance, part).size() >= 2;
+constexpr Error kForeignPose{ErrorCode::kMisuse, "the pose is of another asset"};
+
+bool hasItsPose(const Instance& instance) {
+  return !instance.pose ||
+         static_cast<std::size_t>(instance.pose->parts()) == instance.asset->pack().parts().size();
+}
+
+// The part exists, and the pose is of this asset as far as its number of parts shows.
+Result<void> checkPosed(const Instance& instance, int part) {
+  if (!isPart(instance, part)) return Error{ErrorCode::kMisuse, "there is no such part"};
+  if (!hasItsPose(instance)) return kForeignPose;
+  return {};
 }
 
 const Part& partOf(const Instance& instance, int part) {
@@ -148,8 +157,6 @@ const glm::mat4& Hangings::of(const Instance& instance, int part) {
   return matrices_[place];
 }
 
-constexpr Error kNoPart{ErrorCode::kMisuse, "there is no such part"};
-
 // partToWorld() of a part that exists, for several parts of one pose.
 glm::mat4 partToWorld(const Instance& instance, int part, Hangings& hangings) {
   const std::span<const Part> parts = instance.asset->pack().parts();
@@ -205,13 +212,14 @@ glm::mat4 matrixOf(const Instance& instance, int part) {
 }
 
 Result<glm::mat4> partToWorld(const Instance& instance, int part) {
-  if (!isPart(instance, part)) return kNoPart;
+  if (const Result<void> posed = checkPosed(instance, part); !posed) return posed.error();
   return matrixOf(instance, part);
 }
 
 Result<void> partsToWorld(const Instance& instance, std::span<glm::mat4> out) {
   if (!out.empty() && !isPart(instance, static_cast<int>(out.size()) - 1))
     return Error{ErrorCode::kMisuse, "there are more matrices than parts"};
+  if (!out.empty() && !hasItsPose(instance)) return kForeignPose;
   Hangings hangings;
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = partToWorld(instance, static_cast<int>(i), hangings);
   return {};
@@ -233,13 +241,13 @@ Box bounds(const Instance& instance) {
 }
 
 Result<glm::vec3> toWorld(const Instance& instance, int part, const glm::vec3& rest) {
-  if (!isPosed(instance, part)) return kNoPart;
+  if (const Result<void> posed = checkPosed(instance, part); !posed) return posed.error();
   const glm::vec3 bent = bend(posedPart(instance, part), toVoxels(instance, part, rest));
   return glm::vec3(matrixOf(instance, part) * glm::vec4(bent, 1.0f));
 }
 
 std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::vec3& world) {
-  if (!isPosed(instance, part)) return std::nullopt;
+  if (!checkPosed(instance, part)) return std::nullopt;
   const PosedPart posed = posedPart(instance, part);
   const glm::vec3 p = glm::vec3(glm::inverse(matrixOf(instance, part)) * glm::vec4(world, 1.0f));
   if (posed.isSwept()) {
@@ -260,7 +268,7 @@ std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::v
 }
 
 Result<glm::mat4> frameAt(const Instance& instance, int part, const glm::vec3& rest) {
-  if (!isPosed(instance, part)) return kNoPart;
+  if (const Result<void> posed = checkPosed(instance, part); !posed) return posed.error();
   return frameIn(posedPart(instance, part), matrixOf(instance, part), toVoxels(instance, part, rest));
 }
 
@@ -279,7 +287,7 @@ Result<glm::mat4> socketToWorld(const Instance& instance, int socket) {
     return Error{ErrorCode::kMisuse, "there is no such socket"};
   const Socket& on = instance.asset->pack().sockets()[index];
   const int part = static_cast<int>(on.part);
-  if (!isPosed(instance, part)) return Error{ErrorCode::kMisuse, "the pose is of another asset"};
+  if (!hasItsPose(instance)) return kForeignPose;
   return frameIn(posedPart(instance, part), matrixOf(instance, part),
                  onAxis(partOf(instance, part), on.at, on.offset)) *
          glm::mat4_cast(on.rotation);

@@ -83,7 +83,7 @@ struct BothAssets {
     EXPECT_KELP(KELP_OK, kelp_asset_open_file(path.c_str(), &options, &c));
     EXPECT_KELP(KELP_OK, kelp_asset_load_all(c));
     runtime::AssetOptions cpp_options;
-    cpp_options.distance_level = distance_level;
+    if (distance_level != KELP_NONE) cpp_options.distance_level = distance_level;
     cpp = std::move(runtime::Asset::open(path.c_str(), cpp_options)).value();
     cpp->loadAll().value();
   }

@@ -214,6 +214,7 @@ class KelpBake(unittest.TestCase):
     def test_options_that_are_gone_name_what_to_use(self):
         for words, instead in ((["--manifest", "m.json"], "samples/farm"),
                                (["@models.txt", "-o", self.out], "samples/farm"),
+                               (["@models.txt"], "samples/farm"),
                                (["--manifest=m.json", "--plan"], "samples/farm"),
                                ([self.cube, "-o", self.out, "--shard", "1/2"], "samples/farm"),
                                ([self.cube, "-o", self.out, "--cache", "c"], "-MD"),
@@ -222,6 +223,7 @@ class KelpBake(unittest.TestCase):
                                ([self.cube, "-o", self.out, "--config", "c.toml"], "command line"),
                                (["--print-config"], "--help")):
             self.fails(1, *words, says=["is gone", instead])
+        self.passes(self.cube, "-o", self.out, "--resolution", "4", "-MD", "-MT", "--force")
         self.write("@odd.obj", CUBE)
         self.assertEqual(subprocess.run([KELP_BAKE, "./@odd.obj", "-o", "out.kelp", "--resolution", "4"],
                                         cwd=self.folder.name, capture_output=True).returncode, 0)

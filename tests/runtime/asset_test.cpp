@@ -70,6 +70,14 @@ TEST(Asset, LoadsWhatWasWritten) {
   EXPECT_EQ((*asset)->level(-1, -1), nullptr);
 }
 
+TEST(Asset, NoLevelOfDistancesIsBelowZero) {
+  const std::vector<std::byte> bytes = clumpBytes();
+  const MemorySource source(bytes);
+  AssetOptions options;
+  options.distance_level = -1;
+  EXPECT_EQ(Asset::open(source.source(), options).error().code, ErrorCode::kMisuse);
+}
+
 TEST(Asset, AnyNumberOfThreadsMayPump) {
   const std::vector<std::byte> bytes = fullBytes();
   MemorySource source(bytes);

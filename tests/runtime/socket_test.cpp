@@ -99,6 +99,22 @@ TEST(Sockets, AreFoundByName) {
   }
   std::vector<glm::mat4> many(3);
   EXPECT_EQ(partsToWorld(scene.instance, many).error().code, ErrorCode::kMisuse);
+  // The pose of an asset with fewer parts.
+  RawPack one = stemAndLeaf();
+  one.parts.resize(1);
+  one.sockets.clear();
+  const Scene other(one);
+  const Pose foreign = Pose::create(*other.loaded.asset).value();
+  scene.instance.pose = &foreign;
+  for (const int part : {0, 1}) {
+    EXPECT_EQ(partToWorld(scene.instance, part).error().code, ErrorCode::kMisuse);
+    EXPECT_EQ(toWorld(scene.instance, part, {}).error().code, ErrorCode::kMisuse);
+    EXPECT_EQ(frameAt(scene.instance, part, {}).error().code, ErrorCode::kMisuse);
+    EXPECT_FALSE(toRest(scene.instance, part, {}));
+  }
+  many.resize(2);
+  EXPECT_EQ(partsToWorld(scene.instance, many).error().code, ErrorCode::kMisuse);
+  EXPECT_EQ(socketToWorld(scene.instance, 0).error().code, ErrorCode::kMisuse);
 }
 
 TEST(Sockets, ManyNamesAreCutShort) {

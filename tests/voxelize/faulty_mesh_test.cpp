@@ -74,8 +74,8 @@ struct Made {
       : mesh(topologyOf(points, triangles)),
         faulty(makeFaultyMesh(mesh, sortedEdges(mesh, true))),
         holes(findHoles(mesh, faulty)) {}
-  Diagnosis all() const {
-    Diagnosis sum;
+  EdgeCounts all() const {
+    EdgeCounts sum;
     for (const Component& c : mesh.components) sum += c.diagnosis;
     return sum;
   }
@@ -149,7 +149,7 @@ void checkEdges(const Made& made) {
     EXPECT_EQ(h.next().prev(), h);
     EXPECT_EQ(h.next().is_boundary(), h.is_boundary());
   }
-  std::map<std::uint32_t, Diagnosis> expected;
+  std::map<std::uint32_t, EdgeCounts> expected;
   const Sides sides = sidesOf(made.mesh);
   std::size_t edges = 0;
   for (const auto& [place, count] : sides) {
@@ -169,7 +169,7 @@ void checkEdges(const Made& made) {
   }
   EXPECT_EQ(edges, made.faulty.half_edges.n_edges());
   for (std::uint32_t c = 0; c < made.mesh.components.size(); ++c) {
-    const Diagnosis& diagnosis = made.mesh.components[c].diagnosis;
+    const EdgeCounts& diagnosis = made.mesh.components[c].diagnosis;
     EXPECT_EQ(diagnosis.open_edges, expected[c].open_edges);
     EXPECT_EQ(diagnosis.split_edges, expected[c].split_edges);
     EXPECT_EQ(diagnosis.cut_edges, expected[c].cut_edges);
@@ -415,7 +415,7 @@ TEST(FaultyMesh, OnlyWhatHasFaultsIsBuilt) {
     }
     const Made made(points, wild);
     check(made, wild);
-    const Diagnosis diagnosis = made.all();
+    const EdgeCounts diagnosis = made.all();
     EXPECT_EQ(diagnosis.open_edges + diagnosis.split_edges + diagnosis.cut_edges + diagnosis.split_vertices +
                   diagnosis.holes,
               0u);

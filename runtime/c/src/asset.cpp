@@ -10,7 +10,7 @@ kelp_result readOptions(const kelp_asset_options* from, runtime::AssetOptions& t
   kelp_asset_options read;
   if (const kelp_result bad = readStruct(from, read)) return bad;
   if (const kelp_result bad = readAllocator(read.allocator, to.allocator)) return bad;
-  to.distance_level = read.distance_level;
+  if (read.distance_level != KELP_NONE) to.distance_level = read.distance_level;
   to.memory_budget = read.memory_budget;
   to.limits = {read.max_decoded_bytes, read.max_side, read.max_parts, read.max_metadata_bytes};
   return KELP_OK;

@@ -55,8 +55,9 @@ std::optional<int> levelAt(const View& view, const runtime::Instance& instance, 
     return std::nullopt;
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
   const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : of.knots;
-  if (of.kind == PartKind::kEmpty || knots.size() != of.knots.size()) return std::nullopt;
-  const glm::mat4 to_world = *runtime::partToWorld(instance, part);
+  const Result<glm::mat4> placed_at = runtime::partToWorld(instance, part);
+  if (of.kind == PartKind::kEmpty || knots.size() != of.knots.size() || !placed_at) return std::nullopt;
+  const glm::mat4 to_world = *placed_at;
   constexpr glm::mat4x3 kSame(1);
   const glm::vec4 extent(glm::vec3(of.size), static_cast<float>(of.levels));
   PosedParts parts;

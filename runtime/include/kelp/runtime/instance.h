@@ -36,10 +36,11 @@ struct Instances : std::span<const Instance> {
 };
 
 // Part space (level-0 voxels) -> world, including the motion of the part and of its ancestors. kMisuse: there
-// is no such part.
+// is no such part, or the pose is of an asset with another number of parts.
 Result<glm::mat4> partToWorld(const Instance& instance, int part);
 // The same of the first parts, as many as there are matrices. It takes less time than a call for each where
-// parts hang on swept splines. kMisuse: there are more matrices than parts.
+// parts hang on swept splines. kMisuse: there are more matrices than parts, or the pose is
+// of another asset.
 Result<void> partsToWorld(const Instance& instance, std::span<glm::mat4> out);
 // A box in the world that contains the deformed instance. Empty if `asset` is null.
 Box bounds(const Instance& instance);
@@ -69,24 +70,24 @@ struct Hit {
 std::optional<Hit> raycast(Instances instances, const Ray& ray, int level = 0);
 
 // A point of the undeformed model (object space, meters) that belongs to a part -> the world, with all that
-// the pose does to it. kMisuse: there is no such part.
+// the pose does to it. kMisuse: as partToWorld().
 Result<glm::vec3> toWorld(const Instance& instance, int part, const glm::vec3& rest);
 // World -> the point of the undeformed model (object space, meters). nullopt if Pose::check() refuses the
-// pose, if the point is above or below the spline of a sheared part, or in no section of a swept one. Where
-// coils of a swept part overlap, a point of the world has several at rest: the one nearest to the center
-// line.
+// pose, if it is of another asset, if the point is above or below the spline of a sheared part, or in no
+// section of a swept one. Where coils of a swept part overlap, a point of the world has several at rest: the
+// one nearest to the center line.
 std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::vec3& world);
 // A frame in the world for things attached to a point of the undeformed model (object space, meters). Its
 // columns are the directions x, y and z and the origin. y points along the spline. x is the part's x: of a
 // sheared part made perpendicular to the spline, of a swept one turned with its section. Orthonormal, and
-// right-handed for mirrored instances too. kMisuse: there is no such part.
+// right-handed for mirrored instances too. kMisuse: as partToWorld().
 Result<glm::mat4> frameAt(const Instance& instance, int part, const glm::vec3& rest);
 
 // Index of the first socket of that name; of one part, if `part` is given. kMisuse: there is none; the text
 // lists the names that there are, and is valid as long as the asset.
 Result<int> findSocket(const Asset& asset, std::string_view name, int part = -1);
 // The frame of a socket in the world, to hang things on: as frameAt(), turned as the artist says. kMisuse:
-// there is no such socket.
+// there is no such socket, or the pose is of another asset.
 Result<glm::mat4> socketToWorld(const Instance& instance, int socket);
 
 }  // namespace kelp::runtime

@@ -66,7 +66,8 @@ class Pose {
   Result<void> blend(const Pose& to, float weight, std::span<const float> part_weights = {});
   // Checks the knots of every part (checkRig). kNotMonotone if the spline of a sheared part turns back along
   // its axis; kFolds if a swept part bends too sharply for its thickness; kMisuse for other broken rules;
-  // `offset` is the index of the part. An instance with such a pose is not drawn, and no ray hits it.
+  // `offset` is the index of the part. Parts without voxels
+  // are checked too. An instance with such a pose is not drawn, and no ray hits it.
   Result<void> check() const;
   // Changes knots until every part passes check(); those that do stay as they are. Of a sheared part, only
   // the y of tangents and knots. A swept part moves, with its roll, on a straight line towards its

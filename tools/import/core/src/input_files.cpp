@@ -2,7 +2,6 @@
 #include "kelp/import/core/input_files.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -138,14 +137,6 @@ bool isDataUri(std::string_view uri) {
   return uri.size() >= kScheme.size() &&
          std::equal(kScheme.begin(), kScheme.end(), uri.begin(),
                     [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
-}
-
-bool hasScheme(std::string_view uri) {
-  const std::size_t colon = uri.find(':');
-  if (colon == std::string_view::npos || colon < 2 || !std::isalpha(static_cast<unsigned char>(uri[0])))
-    return false;
-  return std::all_of(uri.begin(), uri.begin() + static_cast<std::ptrdiff_t>(colon),
-                     [](unsigned char c) { return std::isalnum(c) || c == '+' || c == '-' || c == '.'; });
 }
 
 std::string placeOf(std::string_view array, std::size_t index) {

@@ -76,7 +76,7 @@ std::string printRepairs(const bake::Report::Part& part) {
                     counted(mesh.boundaries, "loop"));
   if (mesh.non_manifold_edges > 0)
     words.push_back(counted(mesh.non_manifold_edges, "edge") + " of more than two triangles");
-  const bake::Diagnosis& diagnosis = part.repairs.diagnosis;
+  const bake::EdgeCounts& diagnosis = part.repairs.diagnosis;
   if (diagnosis.split_vertices > 0)
     words.push_back(counted(diagnosis.split_vertices, "vertex", "vertices") + " split where parts touch");
   if (diagnosis.cut_edges > 0)

@@ -55,8 +55,10 @@ constexpr std::pair<std::string_view, const char*> kGone[] = {
 
 [[noreturn]] void misuse(const std::string& what) { throw ToolError(Exit::kUsage, what); }
 
-void refuseGone(const std::vector<std::string>& words) {
-  for (const std::string& word : words)
+void refuseGone(const std::string& input, const std::vector<std::string>& unknown) {
+  if (input.starts_with('@'))
+    misuse(input + ": a list of files is gone; " + kFarm + "; a file of that name is ./" + input);
+  for (const std::string& word : unknown)
     for (const auto& [name, instead] : kGone)
       if (word.substr(0, word.find('=')) == name) misuse(std::string(name) + " is gone; " + instead);
 }
@@ -233,9 +235,7 @@ void addRunOptions(Adder& add, Options& options, bool& write_deps) {
 }
 
 void check(const Options& options) {
-  const std::string input = options.input.string();
-  if (input[0] == '@')
-    misuse(input + ": a list of files is gone; " + kFarm + "; a file of that name is ./" + input);
+  refuseGone(options.input.string(), {});
   const auto has_name = [](const char* option, const std::filesystem::path& file) {
     if (file == "-") misuse(std::string(option) + " -: is no file; kelp-bake needs one with a name");
   };
@@ -270,7 +270,6 @@ bool areSame(const fs::path& a, const fs::path& b) {
 }  // namespace
 
 std::optional<Options> parseCommandLine(const std::vector<std::string>& words) {
-  refuseGone(words);
   CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
   app.set_version_flag("--version", "");
   app.footer(kExamples);
@@ -299,6 +298,7 @@ std::optional<Options> parseCommandLine(const std::vector<std::string>& words) {
                 ".\n");
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
+    refuseGone(options.input.string(), app.remaining());
     misuse(std::string(error.what()) + "; see kelp-bake --help");
   }
   options.settings.distance = !no_distance;

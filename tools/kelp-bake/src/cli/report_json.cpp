@@ -30,7 +30,7 @@ std::string escapeForMake(const std::filesystem::path& path) {
   return escaped;
 }
 
-OrderedJson diagnosisJson(const bake::Diagnosis& diagnosis) {
+OrderedJson diagnosisJson(const bake::EdgeCounts& diagnosis) {
   return {{"open_edges", diagnosis.open_edges},
           {"split_edges", diagnosis.split_edges},
           {"split_vertices", diagnosis.split_vertices},

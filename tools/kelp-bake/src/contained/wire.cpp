@@ -22,7 +22,7 @@ auto fieldsOf(glm::ivec3& v) { return std::tie(v.x, v.y, v.z); }
 auto fieldsOf(bake::MeshCounts& c) {
   return std::tie(c.vertices, c.triangles, c.boundary_edges, c.boundaries, c.non_manifold_edges, c.dropped);
 }
-auto fieldsOf(bake::Diagnosis& d) {
+auto fieldsOf(bake::EdgeCounts& d) {
   return std::tie(d.open_edges, d.split_edges, d.split_vertices, d.cut_edges, d.holes);
 }
 auto fieldsOf(bake::FillCounts& c) {

@@ -12,7 +12,7 @@
 #include "pack/pack_file.h"
 #include "text/text.h"
 #include "verify/deep_level.h"
-#include "verify/finding.h"
+#include "verify/issue.h"
 
 namespace kelp::dump {
 namespace {
@@ -22,26 +22,26 @@ struct VerifyOptions {
   bool deep = false;
 };
 
-Finding findingOf(const Issue& issue) {
-  Finding finding;
-  finding.id = static_cast<int>(issue.id);
-  finding.severity = issue.severity;
-  finding.message = toString(issue.id);
-  finding.detail = issue.error.detail;
-  finding.code = issue.error.code;
-  if (issue.error.offset != Error::kNoOffset) finding.offset = issue.error.offset;
-  finding.part = issue.part;
-  finding.knot = issue.knot;
-  finding.level = issue.level;
-  finding.page = issue.page;
-  return finding;
+Issue issueOf(const kelp::Issue& found) {
+  Issue issue;
+  issue.id = static_cast<int>(found.id);
+  issue.severity = found.severity;
+  issue.message = toString(found.id);
+  issue.detail = found.error.detail;
+  issue.code = found.error.code;
+  if (found.error.offset != Error::kNoOffset) issue.offset = found.error.offset;
+  issue.part = found.part;
+  issue.knot = found.knot;
+  issue.level = found.level;
+  issue.page = found.page;
+  return issue;
 }
 
 // 3 if the pack breaks the rules. 2, 4 or 5 if only the disk, the memory or a newer version kept it from
 // being checked.
 Exit verdict(const VerifyReport& report) {
   Exit worst = Exit::kOk;
-  for (const Finding& f : report.findings) {
+  for (const Issue& f : report.issues) {
     if (f.severity != Severity::kError) continue;
     const Exit exit = f.code ? exitOf(*f.code) : Exit::kInvalid;
     if (exit == Exit::kInvalid) return Exit::kInvalid;
@@ -58,11 +58,11 @@ Exit runVerify(const VerifyOptions& options) {
   report.deep = options.deep;
   kelp::verify(
       file.source(), {},
-      [](void* user, const Issue& issue) {
-        static_cast<VerifyReport*>(user)->findings.push_back(findingOf(issue));
+      [](void* user, const kelp::Issue& issue) {
+        static_cast<VerifyReport*>(user)->issues.push_back(issueOf(issue));
       },
       &report, {}, threadCount(0));
-  // If the pack does not open, the findings say so already.
+  // If the pack does not open, the issues say so already.
   if (const Pack* pack = file.packIfSound()) {
     for (const Part& part : pack->parts()) {
       report.part_names.emplace_back(part.name);

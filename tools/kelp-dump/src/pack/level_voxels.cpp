@@ -82,10 +82,4 @@ bool LevelVoxels::anyBrick(int from, int beyond, int y, int z) const {
   return false;
 }
 
-std::uint64_t LevelVoxels::solidVoxels() const {
-  std::uint64_t count = 0;
-  eachSolid([&](const glm::ivec3&) { ++count; });
-  return count;
-}
-
 }  // namespace kelp::dump

@@ -41,7 +41,6 @@ class LevelVoxels {
   void paletteRow(int y, int z, int from, std::span<std::int16_t> row) const;
   // True if a brick with any of the voxels from..beyond-1 of a row is solid, in part or whole.
   bool anyBrick(int from, int beyond, int y, int z) const;
-  std::uint64_t solidVoxels() const;
   std::uint64_t surfaceVoxels() const { return raw_.attributes.size(); }
   // Calls f(voxel, attribute) for every surface voxel, brick by brick in the file's order.
   template <class F>

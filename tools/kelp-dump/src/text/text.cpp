@@ -78,19 +78,11 @@ std::string hexColor(const glm::vec4& linear) {
                      linearToSrgb8(linear.b));
 }
 
-namespace {
-
-// The spaces that UTF-8 text lacks. Every character counts as one column, also wide ones.
-std::string spaces(const std::string& text, std::size_t columns) {
+std::string padRight(const std::string& text, std::size_t columns) {
   const auto width = static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
-  return std::string(columns > width ? columns - width : 0, ' ');
+  return text + std::string(columns > width ? columns - width : 0, ' ');
 }
-
-}  // namespace
-
-std::string padRight(const std::string& text, std::size_t columns) { return text + spaces(text, columns); }
-std::string padLeft(const std::string& text, std::size_t columns) { return spaces(text, columns) + text; }
 
 void print(std::string_view text) {
   if (const std::string problem = console::writeOut(text); !problem.empty())

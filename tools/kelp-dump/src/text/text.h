@@ -31,10 +31,8 @@ std::string fourccText(std::uint32_t fourcc);
 std::string plural(std::uint64_t count, std::string_view word);
 // A linear color as "#rrggbb" in sRGB.
 std::string hexColor(const glm::vec4& linear);
-// Adds spaces on the right or on the left up to that many columns, counting characters, not bytes. Longer
-// text stays unchanged.
+// Adds spaces up to that many columns, counting characters, not bytes. Longer text stays unchanged.
 std::string padRight(const std::string& text, std::size_t columns);
-std::string padLeft(const std::string& text, std::size_t columns);
 
 // One line to stderr that begins with the program's name. Line breaks in quoted names become spaces. Errors
 // of writing are ignored.

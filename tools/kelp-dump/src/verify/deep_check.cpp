@@ -49,7 +49,7 @@ class DeepCheck {
 
   void run() {
     std::vector<bool> unsound(pack_.parts().size());
-    for (const Finding& f : report_.findings) {
+    for (const Issue& f : report_.issues) {
       // The file may have changed since it was verified, and had more parts then.
       if (f.severity == Severity::kError && f.part >= 0 && static_cast<std::size_t>(f.part) < unsound.size())
         unsound[static_cast<std::size_t>(f.part)] = true;
@@ -99,7 +99,7 @@ class DeepCheck {
   }
 
   void checkOccupancy(const LevelPlace& place, const Occupancy& stored, const Occupancy& expected) {
-    Tally lacks(DeepIssue::kLacksVoxel, place), extra(DeepIssue::kExtraVoxel, place);
+    Tally lacks(DeepIssueId::kLacksVoxel, place), extra(DeepIssueId::kExtraVoxel, place);
     for (std::size_t i = 0; i < stored.solid.size(); ++i) {
       if ((stored.solid[i] != 0) == (expected.solid[i] != 0)) continue;
       const glm::ivec3 voxel = voxelAt(stored.size, i);
@@ -111,7 +111,7 @@ class DeepCheck {
 
   // `finer` is null at level 0.
   void checkAttributes(const LevelPlace& place, const Occupancy& occupancy, const Occupancy* finer) {
-    Tally lacks(DeepIssue::kSurfaceLacksAttribute, place), extra(DeepIssue::kExtraAttribute, place);
+    Tally lacks(DeepIssueId::kSurfaceLacksAttribute, place), extra(DeepIssueId::kExtraAttribute, place);
     const auto compare = [&](std::size_t i, bool expected) {
       // A missing voxel has been reported as missing.
       if (!occupancy.solid[i] || (occupancy.solid[i] == kAttributed) == expected) return;
@@ -153,32 +153,32 @@ class DeepCheck {
 
 }  // namespace
 
-const char* toString(DeepIssue issue) {
+const char* toString(DeepIssueId issue) {
   switch (issue) {
-    case DeepIssue::kFalseEmptiness:
+    case DeepIssueId::kFalseEmptiness:
       return "A cell promises emptiness where something is, so rays skip it. The program that wrote "
              "the pack is wrong: bake it again.";
-    case DeepIssue::kNotBestEmptiness:
+    case DeepIssueId::kNotBestEmptiness:
       return "A cell promises less emptiness than there is, so rays take needless steps. Bake the pack "
              "again.";
-    case DeepIssue::kLacksVoxel:
+    case DeepIssueId::kLacksVoxel:
       return "A level is empty where the next finer one is solid, so it shows holes from afar. Bake the "
              "pack again.";
-    case DeepIssue::kExtraVoxel:
+    case DeepIssueId::kExtraVoxel:
       return "A level is solid where the next finer one is empty. Bake the pack again.";
-    case DeepIssue::kSurfaceLacksAttribute:
+    case DeepIssueId::kSurfaceLacksAttribute:
       return "A voxel of the surface has no color and normal. Bake the pack again.";
-    case DeepIssue::kExtraAttribute:
+    case DeepIssueId::kExtraAttribute:
       return "A voxel that is not of the surface has a color and normal. Bake the pack again.";
-    case DeepIssue::kFogSample:
+    case DeepIssueId::kFogSample:
       return "A sample of fog is not the mean of the next finer level's, so fog changes from afar. Bake "
              "the pack again.";
-    case DeepIssue::kFogExtinction:
+    case DeepIssueId::kFogExtinction:
       return "A level of fog is not as dense as the next finer one. Bake the pack again.";
-    case DeepIssue::kFogSeam:
+    case DeepIssueId::kFogSeam:
       return "Bricks of fog disagree about a sample that they share, so a seam shows. The program that "
              "wrote the pack is wrong: bake it again.";
-    case DeepIssue::kDistance:
+    case DeepIssueId::kDistance:
       return "A distance is not that of the voxels, so things collide or shade wrongly. Bake the pack again.";
   }
   return "Unknown issue.";

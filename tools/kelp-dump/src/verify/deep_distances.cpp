@@ -21,7 +21,7 @@ void checkDistances(PackFile& file, const LevelPlace& place, const fields::Occup
                     VerifyReport& report) {
   const LevelDistances stored(file, static_cast<std::uint32_t>(place.part), place.level);
   const RawDistances right = fields::buildDistances(occupancy, stored.raw().band, threads);
-  Tally wrong(DeepIssue::kDistance, place);
+  Tally wrong(DeepIssueId::kDistance, place);
   for (std::size_t cell = 0; cell < right.cells.size(); ++cell) {
     const glm::ivec3 brick = voxelAt(stored.grid(), cell);
     const auto codeIn = [&](const RawDistances& level, int i) {

@@ -19,7 +19,7 @@ using fields::FogSamples;
 // True if all bricks of the grid, also empty ones, agree with the dense field that they make together.
 bool bricksAgree(const LevelPlace& place, const StoredLevel& level, const FogSamples& samples,
                  VerifyReport& report) {
-  Tally seam(DeepIssue::kFogSeam, place);
+  Tally seam(DeepIssueId::kFogSeam, place);
   for (std::size_t c = 0; c < level.raw.cells.size(); ++c) {
     const glm::ivec3 brick = voxelAt(level.grid, c);
     const bool stored = level.raw.cells[c] & kCellSolid;
@@ -51,7 +51,7 @@ void checkCells(const LevelPlace& place, const StoredLevel& level, const FogSamp
 
 void checkSamples(const LevelPlace& place, const FogSamples& stored, const FogSamples& right,
                   VerifyReport& report) {
-  Tally wrong(DeepIssue::kFogSample, place);
+  Tally wrong(DeepIssueId::kFogSample, place);
   const auto compare = [&](const char* what, const std::vector<std::uint8_t>& a,
                            const std::vector<std::uint8_t>& b) {
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -86,7 +86,7 @@ void checkFogDeeply(PackFile& file, int index, int threads, VerifyReport& report
                    report);
       // The tolerance allows for another order of summing.
       if (std::abs(stored - right) > 1e-5f * right) {
-        Tally wrong(DeepIssue::kFogExtinction, place);
+        Tally wrong(DeepIssueId::kFogExtinction, place);
         wrong.add(std::nullopt, std::nullopt, fmt::format("{} stored, {} is right", stored, right));
         wrong.report(report);
       }

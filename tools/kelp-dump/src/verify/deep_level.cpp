@@ -37,21 +37,21 @@ void Tally::add(std::optional<glm::ivec3> brick, std::optional<glm::ivec3> voxel
 
 void Tally::report(VerifyReport& into) const {
   if (count_ == 0) return;
-  Finding finding;
-  finding.id = static_cast<int>(issue_);
-  finding.message = toString(issue_);
-  finding.detail = detail_;
-  finding.part = place_.part;
-  finding.level = place_.level;
-  finding.brick = brick_;
-  finding.voxel = voxel_;
-  finding.count = count_;
-  into.findings.push_back(finding);
+  Issue issue;
+  issue.id = static_cast<int>(issue_);
+  issue.message = toString(issue_);
+  issue.detail = detail_;
+  issue.part = place_.part;
+  issue.level = place_.level;
+  issue.brick = brick_;
+  issue.voxel = voxel_;
+  issue.count = count_;
+  into.issues.push_back(issue);
 }
 
 void compareClearances(const StoredLevel& level, const RawLevel& right, const LevelPlace& place,
                        VerifyReport& report) {
-  Tally untrue(DeepIssue::kFalseEmptiness, place), lesser(DeepIssue::kNotBestEmptiness, place);
+  Tally untrue(DeepIssueId::kFalseEmptiness, place), lesser(DeepIssueId::kNotBestEmptiness, place);
   for (std::size_t c = 0; c < right.cells.size(); ++c) {
     if (right.cells[c] & kCellSolid) continue;
     const int stored = cellClearance(level.raw.cells[c]), best = cellClearance(right.cells[c]);

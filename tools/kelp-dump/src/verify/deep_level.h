@@ -11,7 +11,7 @@
 #include "kelp/fields/fields.h"
 #include "kelp/formats/raw_pack.h"
 #include "pack/pack_file.h"
-#include "verify/finding.h"
+#include "verify/issue.h"
 
 namespace kelp::dump {
 
@@ -33,14 +33,14 @@ StoredLevel readStored(PackFile& file, const LevelPlace& place);
 // Counts the places of one kind in one level and remembers the first.
 class Tally {
  public:
-  Tally(DeepIssue issue, const LevelPlace& place) : issue_(issue), place_(place) {}
+  Tally(DeepIssueId issue, const LevelPlace& place) : issue_(issue), place_(place) {}
 
   void add(std::optional<glm::ivec3> brick, std::optional<glm::ivec3> voxel, std::string detail = "");
   std::uint64_t count() const { return count_; }
   void report(VerifyReport& into) const;
 
  private:
-  DeepIssue issue_;
+  DeepIssueId issue_;
   LevelPlace place_;
   std::uint64_t count_ = 0;
   std::optional<glm::ivec3> brick_, voxel_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "verify/finding.h"
+#include "verify/issue.h"
 
 #include <algorithm>
 
@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json findingJson(const Finding& f, const VerifyReport& report) {
+Json issueJson(const Issue& f, const VerifyReport& report) {
   Json json = {{"id", f.id},
                {"severity", f.severity == Severity::kError ? "error" : "warning"},
                {"message", f.message},
@@ -36,7 +36,7 @@ Json findingJson(const Finding& f, const VerifyReport& report) {
 
 // "reed.kelp: error 401: byte 4096, part 0 'reed', level 1, page 3: checksum mismatch (...). A page of bricks
 // cannot be read. ..."
-std::string findingText(const Finding& f, const VerifyReport& report) {
+std::string issueText(const Issue& f, const VerifyReport& report) {
   std::string place;
   const auto add = [&place](const std::string& text) { place += (place.empty() ? "" : ", ") + text; };
   if (f.offset) add(fmt::format("byte {}", *f.offset));
@@ -67,12 +67,12 @@ std::string findingText(const Finding& f, const VerifyReport& report) {
 
 std::uint64_t VerifyReport::errors() const {
   return static_cast<std::uint64_t>(std::count_if(
-      findings.begin(), findings.end(), [](const Finding& f) { return f.severity == Severity::kError; }));
+      issues.begin(), issues.end(), [](const Issue& f) { return f.severity == Severity::kError; }));
 }
 
 std::string verifyText(const VerifyReport& report) {
   std::string text;
-  for (const Finding& finding : report.findings) text += findingText(finding, report);
+  for (const Issue& issue : report.issues) text += issueText(issue, report);
   const char* const deeper = report.distances ? "clearances, levels and distances" : "clearances and levels";
   const std::string checked =
       fmt::format("{}, {}", plural(report.part_names.size(), "part"), plural(report.levels, "level")) +
@@ -88,7 +88,7 @@ std::string verifyText(const VerifyReport& report) {
 
 std::string verifyJson(const VerifyReport& report) {
   Json issues = Json::array();
-  for (const Finding& finding : report.findings) issues.push_back(findingJson(finding, report));
+  for (const Issue& issue : report.issues) issues.push_back(issueJson(issue, report));
   const Json json = {{"schema", kSchemaName},         {"command", "verify"},
                      {"file", report.path},           {"deep", report.deep},
                      {"sound", report.errors() == 0}, {"parts", report.part_names.size()},

@@ -132,7 +132,7 @@ class FaultyMeshMaker {
         for (const bool low : {true, false})
           fans_.join(cornerOf(sides[0][i], low), cornerOf(sides[1][i], low));
       }
-      Diagnosis& diagnosis = mesh_.components[mesh_.triangles[edges_[begin].triangle].component].diagnosis;
+      EdgeCounts& diagnosis = mesh_.components[mesh_.triangles[edges_[begin].triangle].component].diagnosis;
       diagnosis.open_edges += end - begin == 1;
       diagnosis.split_edges += end - begin > 2;
       diagnosis.cut_edges += end - begin == 2 && sides[0].size() != 1;

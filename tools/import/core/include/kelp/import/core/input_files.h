@@ -53,10 +53,6 @@ void checkPartCount(const InputFiles& files, std::size_t parts, std::string_view
 // RFC 3986, section 2.1; nullopt if an escape is broken.
 std::optional<std::string> percentDecode(std::string_view text);
 
-// True if a URI has a scheme, such as "http:" or "data:", and so is no file beside the input. RFC 3986,
-// section 3.1; a single letter is a drive.
-bool hasScheme(std::string_view uri);
-
 // True if a URI holds its data itself ("data:"). RFC 2397.
 bool isDataUri(std::string_view uri);
 

@@ -24,14 +24,14 @@ struct MeshCounts {
 };
 
 // Faults that the half-edge mesh of a component shows; zeros for closed, manifold ones, which need none.
-struct Diagnosis {
+struct EdgeCounts {
   std::uint64_t open_edges = 0;      // edges of one triangle
   std::uint64_t split_edges = 0;     // edges of three triangles or more, made into edges of two and of one
   std::uint64_t cut_edges = 0;       // where a surface with one side (a Moebius strip) was cut open
   std::uint64_t split_vertices = 0;  // vertices added where triangles around a point share no edge there
   std::uint64_t holes = 0;           // loops of edges of one triangle, after all that
 
-  Diagnosis& operator+=(const Diagnosis& other) {
+  EdgeCounts& operator+=(const EdgeCounts& other) {
     open_edges += other.open_edges;
     split_edges += other.split_edges;
     cut_edges += other.cut_edges;
@@ -51,7 +51,7 @@ struct FillCounts {
   std::uint64_t cap_triangles = 0;  // triangles that close holes
   // solid voxels whose center is in no body: sheets, and parts thinner than a voxel
   std::uint64_t kept_voxels = 0;
-  Diagnosis diagnosis;  // of all components
+  EdgeCounts diagnosis;  // of all components
 };
 
 // Triangles connected by shared edges: why they became solid or stayed a surface.
@@ -59,7 +59,7 @@ struct ComponentReport {
   std::uint64_t triangles = 0;
   double surface_share = 0;  // of the part's area
   bool solid = false;
-  Diagnosis diagnosis;
+  EdgeCounts diagnosis;
   std::string why;  // "closed", "closed, but encloses nothing: ...", "5 holes closed by fans (2.2 % of its
                     // surface)", "open: ..."
 };

@@ -45,7 +45,7 @@ struct Component {
   double area = 0;              // voxels^2, without caps
   double cap_area = 0;
   double volume = 0;  // voxels^3, with caps; negative where the file wound it inside out
-  Diagnosis diagnosis;
+  EdgeCounts diagnosis;
 };
 
 struct Topology {

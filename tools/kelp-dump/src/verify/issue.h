@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A finding of `verify`: by formats' verify (ids 100 to 499, formats/verify.h) or by the deep check
+// An issue of `verify`: by formats' verify (ids 100 to 499, formats/verify.h) or by the deep check
 // (500 and up).
 #pragma once
 
@@ -15,7 +15,7 @@
 namespace kelp::dump {
 
 // Numbers never change their meaning, as those of kelp::IssueId.
-enum class DeepIssue : int {
+enum class DeepIssueId : int {
   kFalseEmptiness = 500,
   kNotBestEmptiness = 501,
   kLacksVoxel = 502,
@@ -29,9 +29,9 @@ enum class DeepIssue : int {
 };
 
 // Explains the id and says what to do. Static storage.
-const char* toString(DeepIssue issue);
+const char* toString(DeepIssueId issue);
 
-struct Finding {
+struct Issue {
   int id = 0;
   Severity severity = Severity::kError;
   std::string message;            // of the id
@@ -53,13 +53,13 @@ struct VerifyReport {
   bool distances = false;               // true if the pack has them
   std::vector<std::string> part_names;  // empty if the pack could not be opened
   std::uint64_t levels = 0;             // in all parts
-  std::vector<Finding> findings;
+  std::vector<Issue> issues;
 
   std::uint64_t errors() const;
-  std::uint64_t warnings() const { return findings.size() - errors(); }
+  std::uint64_t warnings() const { return issues.size() - errors(); }
 };
 
-// A line for each finding, and one for the pack.
+// A line for each issue, and one for the pack.
 std::string verifyText(const VerifyReport& report);
 std::string verifyJson(const VerifyReport& report);
 
