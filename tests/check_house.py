@@ -9,9 +9,11 @@
   why: "Long: REASON".
 - Every room has a README, or the room around it has.
 - What tests/ports.sh web compiles calls no algorithm of std::ranges: emscripten's libc++ 13 has none.
+- A file that a README's table of files names exists in its folder; a source that any document names exists.
 - clang-format, where it is installed, would change nothing.
 """
 
+import fnmatch
 import os
 import re
 import shutil
@@ -176,6 +178,33 @@ def check_lengths(path, lines):
                 begin, closing = first + 1, " " * indent + "}"
 
 
+def tails(files, start):
+    """The names of the files and folders below start: src/scan.cpp is also scan.cpp, src/scan and scan."""
+    for file in files:
+        if file.startswith(start):
+            parts = file[len(start):].split("/")
+            for end in range(1, len(parts) + 1):
+                for begin in range(end):
+                    name = "/".join(parts[begin:end])
+                    yield from (name, name.rsplit(".", 1)[0])
+
+
+def check_names(path, lines, files, everything):
+    if not path.endswith(".md") or os.path.basename(path) in ("CHANGELOG.md", "HISTORY.md"):
+        return
+    known, table = None, False
+    for number, line in enumerate(lines, 1):
+        table = line.startswith("|") and (table or bool(re.match(r"\| (file|folder|header|room)", line)))
+        names = re.findall(r"`([^`]+)`", line.split("|")[1]) if table else []
+        known = known or (names and set(tails(files, os.path.join(os.path.dirname(path), ""))))
+        for name in names:
+            if not re.search("[A-Z]{4}", name) and not fnmatch.filter(known, name.rstrip("/")):
+                yield f"{path}:{number}: there is no {name} in {os.path.dirname(path)}"
+        for name in re.findall(r"`(?:\.\./)*([\w./-]+\.(?:h|hpp|c|cpp|glsl|inl|py|sh))`", line):
+            if name not in names and not re.search("[A-Z]{4}", name) and name not in everything:
+                yield f"{path}:{number}: there is no {name}"
+
+
 def check_format(files):
     program = shutil.which("clang-format")
     version = program and subprocess.run([program, "--version"], capture_output=True, text=True).stdout
@@ -191,6 +220,7 @@ def check_format(files):
 def main():
     os.chdir(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
     faults, files = [], tracked()
+    everything = set(tails(files, ""))
     for path in files:
         if not path.endswith(CODE + SHADERS + SCRIPTS + (".md",)):
             continue
@@ -198,6 +228,7 @@ def main():
             lines = file.read().rstrip("\n").split("\n")
         for check in (check_arrows, check_widths, check_ported, check_lengths):
             faults.extend(check(path, lines))
+        faults.extend(check_names(path, lines, files, everything))
     doors = {room: (room, os.path.dirname(room), room.split("/src/")[0]) for room in ROOMS}
     faults.extend(f"{room}: has no README.md" for room in ROOMS
                   if not any(os.path.isfile(f"{place}/README.md") for place in doors[room]))
