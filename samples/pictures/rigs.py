@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws the pictures of tools/rig/README.md: what knots, tangents, waves and keys do to a post whose knots
+"""Draws the pictures of tools/rig/LANGUAGE.md: what knots, tangents, waves and keys do to a post whose knots
 are painted yellow. Every tile is a rig that kelp-bake has read.
 
 python3 samples/pictures/rigs.py --bin build/release/bin --out samples/out/rigs     (programs: kelp-bake,

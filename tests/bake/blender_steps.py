@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The steps of "From Blender" in tools/rig/README.md, one by one, as an artist would click them.
+"""The steps of "From Blender" in tools/rig/LANGUAGE.md, one by one, as an artist would click them.
 
     blender --background --factory-startup --python blender_steps.py -- FOLDER
 

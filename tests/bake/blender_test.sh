@@ -39,7 +39,7 @@ assert clip["name"] == "sway" and abs(clip["duration"] - 49 / 24) < 0.01, clip
 assert not report["notices"], report["notices"]
 PYTHON
 
-# The steps of tools/rig/README.md, and its table of axes: Blender's (x, y, z) is the file's (x, z, -y), in
+# The steps of tools/rig/LANGUAGE.md, and its table of axes: Blender's (x, y, z) is the file's (x, z, -y), in
 # lengths of the reed, which is 2 m.
 run_blender blender_steps.py "$folder"
 for name in empties property; do

@@ -22,7 +22,7 @@ endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # What headers cite, in the folders of the sources, so that names and links lead there.
 foreach(document formats/SPEC.md formats/README.md runtime/README.md runtime/HOST_GUIDE.md runtime/c/README.md
-  runtime/gl/README.md shaders/README.md shaders/METHOD.md tools/rig/README.md)
+  runtime/gl/README.md shaders/README.md shaders/METHOD.md tools/rig/README.md tools/rig/LANGUAGE.md)
   cmake_path(GET document PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder}
     COMPONENT dev)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Rigs and clips as an artist writes them (*.rig.json, a glTF node's extras.kelp), and their translation
-// into the knots and clips of a part. The language is described, with examples, in tools/rig/README.md.
+// into the knots and clips of a part. The language is described, with examples, in tools/rig/LANGUAGE.md.
 #pragma once
 
 #include <cstdint>
