@@ -29,7 +29,7 @@ VolumeRule volumeRule(const InputFiles& files, const GridHeader& header, const V
                       const ImportSettings& settings, std::vector<std::string>& notices);
 
 // The look that kelp-dump extract writes beside a solid, so that it bakes to the same pack again: two grids
-// of vec3s, as tools/kelp-dump/README.md describes them.
+// of vec3s, as tools/kelp-dump/EXTRACT.md describes them.
 
 // Of a surface voxel.
 struct PaintedVoxel {

@@ -33,7 +33,7 @@ Command addExtract(CLI::App& app);
 Command addSlice(CLI::App& app);
 Command addSchema(CLI::App& app);
 
-// The formats that `extract` of this build can write: "vox, ply, slices".
+// The formats that `extract` of this build can write: "vox, vdb, nvdb".
 std::string extractFormats();
 
 // Options that several sub-commands have. The variables must live until the command has run.

@@ -60,7 +60,7 @@ Command addSlice(CLI::App& app) {
       "brighter "
       "is farther; solid is orange\n"
       "       normals        (n + 1) / 2 as red, green, blue; gray inside, transparent where empty\n"
-      "       color         as in the palette; transparent where empty\n"
+      "       colour         as in the palette; transparent where empty\n"
       "       density, heat  of fog, as stored\n"
       "Across y: x to the right, z down. Across z: x to the right, y up. Across x: z to the right, y up.\n");
   addPack(command, options->path);
