@@ -81,7 +81,7 @@ struct GltfModel {
 // ToolError for damaged files and for data beyond the budget. Safe for hostile input.
 GltfModel readGltf(const InputFiles& files, DataBudget& budget, const std::optional<std::string>& scene,
                    std::vector<std::string>& notices);
-// EXT_meshopt_compression and KHR_draco_mesh_compression: decode into new buffers.
+// EXT_meshopt_compression and KHR_draco_mesh_compression: decode into new buffers (unpack.cpp).
 void unpackMeshopt(GltfModel& model);
 void unpackDraco(GltfModel& model);
 
@@ -89,7 +89,7 @@ void unpackDraco(GltfModel& model);
 GltfTransform restTransform(const tinygltf::Node& node, bool* exact = nullptr);
 glm::dmat4 localMatrix(const tinygltf::Node& node);
 
-// --- accessors: values are copied out, ranges are checked, sparse values applied -----------------
+// --- accessor.cpp: values are copied out, ranges are checked, sparse values applied --------------
 struct GltfValues {
   std::size_t count = 0;
   int components = 0;
@@ -103,13 +103,13 @@ GltfValues readValues(const GltfModel& model, int accessor, const std::string& u
 // The distance between two neighboring values of an accessor, to which a compressor rounded. 0: floats that
 // were not rounded.
 float stepOf(const GltfModel& model, int accessor);
-// Whether the accessor was rounded by Draco, on a grid of its own.
+// True if Draco rounded the accessor, on a grid of its own.
 bool isDraco(const GltfModel& model, int accessor);
 std::vector<std::uint32_t> readIndices(const GltfModel& model, int accessor, const std::string& user);
 // Bytes of a buffer view (for images).
 std::span<const std::uint8_t> readView(const GltfModel& model, int view, const std::string& user);
 
-// --- materials -----------------------------------------------------------------------------------
+// --- material.cpp --------------------------------------------------------------------------------
 // The texture coordinates of a picture.
 struct GltfCoordinates {
   int set = 0;  // TEXCOORD_n
@@ -126,7 +126,7 @@ struct GltfMaterialUse {
 // Fills out.materials (those of the file, then the default one) and out.images.
 std::vector<GltfMaterialUse> readMaterials(const GltfModel& model, SourceModel& out);
 
-// --- meshes --------------------------------------------------------------------------------------
+// --- gltf_mesh.cpp -------------------------------------------------------------------------------
 class SoupBuilder;
 class GltfSkins;
 bool hasTriangles(const tinygltf::Primitive& primitive);
@@ -143,7 +143,7 @@ std::optional<glm::dvec3> middleOf(const GltfModel& model, const std::vector<int
 // the scene is sound and has no mesh, which glTF allows.
 void explainEmptiness(const GltfModel& model);
 
-// --- animation -----------------------------------------------------------------------------------
+// --- animation.cpp; poseAt(): moment.cpp ---------------------------------------------------------
 // One animated property of a node. Values: 3 components, or the 4 of a quaternion (x, y, z, w).
 struct GltfChannel {
   enum class Path { kTranslation, kRotation, kScale };
@@ -196,14 +196,14 @@ std::vector<GltfAnimation> readAnimations(const GltfModel& model);
 // The value at a time, as section 3.11 and appendix C of the glTF 2.0 specification define it.
 glm::dvec4 evaluate(const GltfChannel& channel, double time);
 std::vector<double> evaluate(const GltfMorphChannel& channel, double time);
-// Whether a channel ever differs from its node's rest. Exporters write channels for everything that could
+// True if a channel ever differs from its node's rest. Exporters write channels for everything that could
 // move.
 bool moves(const GltfModel& model, const GltfChannel& channel);
 // Makes a moment of an animation the rest of the model: nodes, their world matrices, weights. ToolError
 // kUsage if there is no such animation.
 void poseAt(GltfModel& model, const std::vector<GltfAnimation>& animations, const Moment& moment);
 
-// --- rigs ----------------------------------------------------------------------------------------
+// --- rigs.cpp ------------------------------------------------------------------------------------
 // The text of a rig in the file.
 struct GltfRig {
   std::string text;
@@ -218,10 +218,11 @@ struct GltfRigs {
 // Which extras.kelp is the rig of what. A rig that nothing uses makes a notice.
 GltfRigs findRigs(const GltfModel& model);
 
+// --- knots.cpp; addClips(): clips.cpp ------------------------------------------------------------
 // The empties knot.0 to knot.n among a node's children, in order. Empty if there are none, and, with a
 // notice, if a number is missing or stands twice. Node -1: those at the top of the scene.
 std::vector<int> findKnots(const GltfModel& model, int node);
-// Whether knots at the top of the scene can belong to this mesh: all of them lie near it.
+// True if knots at the top of the scene can belong to this mesh: all of them lie near it.
 bool lieBeside(const GltfModel& model, const std::vector<int>& knots, const TriangleSoup& soup);
 // The rest rig that the knots describe, added to `rig`, which may say its axis and how it bends; nullopt,
 // with a notice, if they make none. `soup` is in the node's space.
@@ -249,8 +250,8 @@ KnotExtent extentAlong(const GltfModel& model, const std::vector<int>& knots, co
 glm::dvec3 tangentHandle(const GltfTransform& rest, const KnotExtent& extent, bool* turned = nullptr);
 glm::dvec3 tangentOf(const GltfTransform& transform, const glm::dvec3& handle);
 
-// --- sockets drawn with empties socket.NAME -------------------------------------------------------
-// Whether the node is an empty of such a name.
+// --- sockets.cpp: sockets drawn with empties socket.NAME -----------------------------------------
+// True if the node is an empty of such a name.
 bool isSocket(const GltfModel& model, int node);
 // The names of these sockets, each once; notices for those that have another's, and for too many.
 std::vector<std::pair<int, std::string>> socketNames(const GltfModel& model, const std::vector<int>& nodes,
