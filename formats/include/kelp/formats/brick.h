@@ -19,7 +19,7 @@
 //
 // The boxes of cells and codes are not in the file: the reader makes them (kelp/formats/empty_boxes.h). Nor
 // are slots, which ascend in Morton order. While a level is written, a stored cell holds its slot; once it is
-// read, the page of its brick and its place there (kelp/formats/pack.h).
+// read, the page of its brick and its place there (kelp/formats/page.h).
 //
 // Clearance: the exact Euclidean distance between the brick's closed 8 x 8 x 8 cube and the closed cube of
 // the nearest solid voxel, in voxels of the level. Boxes may reach beyond the volume, where nothing is solid.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What all of kelp/kelp.h needs: results, errors, texts, the host's allocator. Include kelp/kelp.h.
+// The basis of kelp/kelp.h: results, errors, texts, the host's allocator. Include kelp/kelp.h.
 #ifndef KELP_C_BASE_H
 #define KELP_C_BASE_H
 
@@ -28,7 +28,7 @@ enum {
   KELP_ERROR_MISUSE = 1,               // a bad index or number, an object that does not fit
   KELP_ERROR_IO = 2,                   // the source failed to read
   KELP_ERROR_NOT_A_PACK = 3,           // the file does not start with the identifier of a .kelp pack
-  KELP_ERROR_UNSUPPORTED_VERSION = 4,  // written by a newer major version of the format
+  KELP_ERROR_UNSUPPORTED_VERSION = 4,  // another major version of the format, newer or older
   KELP_ERROR_UNSUPPORTED_FEATURE = 5,  // a chunk, flag or kind of part that this version does not know
   KELP_ERROR_TRUNCATED = 6,            // the file is shorter than its header says
   KELP_ERROR_CHECKSUM = 7,             // bytes differ from their checksum
@@ -47,7 +47,7 @@ enum {
   KELP_ERROR_BUSY = 104           // another thread, or a caller of this callback, is using the object
 };
 
-// What kelp_error.offset counts.
+// The unit of kelp_error.offset.
 typedef uint32_t kelp_unit;
 enum {
   KELP_UNIT_BYTE = 0,      // of the pack

@@ -67,14 +67,12 @@ struct RendererOptions {
 // pixels. The shape, the depth and runtime::raycast are the same in all three.
 enum class Shading : std::uint8_t {
   // The paper's: the normal stored with the voxel, from the gradient of the field that it was baked from. One
-  // for
-  // the whole voxel.
+  // for the whole voxel.
   kGradient,
   // The normal of the face of the voxel's cube that is seen: crisp blocks.
   kFaces,
   // Normals and materials blended between the surface voxels around the hit, so that single voxels do not
-  // show.
-  // The slowest: reads up to 27 voxels at a hit, none on the way to it.
+  // show. The slowest: reads up to 27 voxels at a hit, none on the way to it.
   kSmooth,
 };
 
@@ -198,7 +196,9 @@ struct Stats {
   std::uint32_t left_out = 0;
   // Why the first of them was; `offset` is its index in the list that was given.
   Error first_left_out;
-  std::uint32_t draws = 0;           // 0, 1 or, with Quality::depth_batches, that many
+  // Calls of OpenGL. Solids: one for sheared parts and one for swept ones (with Features::kDistances one for
+  // both), or that times Quality::depth_batches at most. Fog: one for each run of parts that bend alike.
+  std::uint32_t draws = 0;
   std::uint64_t bytes_uploaded = 0;  // by this call
   std::uint64_t gpu_bytes = 0;       // of assets' textures, held now
   // Grids and pages that are wanted, would fit, and are not yet on the GPU. 0: the last draws' pictures are
@@ -244,17 +244,17 @@ class Renderer {
   // GLSL for a host's own vertex or fragment shader, in the context's dialect: kelpTrace(origin, direction,
   // t_max), a ray through posed instances in world space, and related functions (shaders/scene.glsl). Strings
   // for glShaderSource, to be placed after the host's #version and #extension lines and before the rest of
-  // its text. Valid while the renderer lives. With `#define KELP_HOST_SURFACE`
-  // before them kelp's own kelpSurface is left out, and the host may define one.
+  // its text. Valid while the renderer lives. With `#define KELP_HOST_SURFACE` before them kelp's own
+  // kelpSurface is left out, and the host may define one.
   std::span<const char* const> traceGlsl() const;
 
   // Binds what traceGlsl() needs to a linked program of the host's: its uniforms, texture units first_unit
   // and the next, and their samplers. Those units stay bound in both State modes; all other state is as in
   // draw(). Valid until the next bindTrace(), upload(), or end of the frame. `instances`: those that rays may
-  // hit, wherever they are. `view` chooses the levels (as if each
-  // instance were seen, without the pattern of pixels), the shading and the light; its matrices are used for
-  // the levels only. A ray's cost is proportional to Stats::instances, the parts that it may hit. kMisuse: as
-  // draw(), and for units that the context does not have.
+  // hit, wherever they are. `view` chooses the levels (as if each instance were seen, without the pattern of
+  // pixels), the shading and the light; its matrices are used for the levels only. A ray's cost is
+  // proportional to Stats::instances, the parts that it may hit. kMisuse: as draw(), and for units that the
+  // context does not have.
   Result<Stats> bindTrace(std::uint32_t program, const View& view, runtime::Instances instances,
                           int first_unit = kFirstHostUnit);
 
