@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # From a fresh Debian 12 to pictures of models that bend, in samples/out: installs missing packages (as root,
 # or with sudo), builds kelp, makes the sample models, bakes and verifies them, and renders them. It needs no
-# display. On two cores it takes less than 20 minutes, most of them the build. It needs 2 GB of disk: 1.3 GB
+# display. On two cores it takes some 15 minutes, most of them the build. It needs 2 GB of disk: 1.3 GB
 # for the packages (270 MB to download), the rest for build/release and samples/out. A second run only does
 # what has changed.
 #   samples/demo.sh           all of it
@@ -69,7 +69,7 @@ reef() {
 }
 
 cat >&2 <<END
-kelp's demo: packages, build, models, packs, pictures. Less than 20 minutes the first time, on two cores.
+kelp's demo: packages, build, models, packs, pictures. Some 15 minutes the first time, on two cores.
 The build goes to build/release, the rest to $PWD/$out, all output to $log.
 END
 step "install packages (a minute or two the first time)" tools/setup.sh
