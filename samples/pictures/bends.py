@@ -26,7 +26,7 @@ YAWS = (0, 90, 180)  # of each column of Figure 6: from where it bends to the ri
 STEEPEST = {"shear": 89, "sweep": 90}
 APART = 1.6  # in heights of the model: how far the two stand apart
 
-# What stands where, in meters; the first pack, and --and those that follow.
+# The places of the models, in meters: the first pack, and --and those that follow.
 SCENE = (
     ("tentacle", "--at=-0.60,0,0.02 --turn -25 --clip curl --time 0.2"),
     ("tentacle", "--at=-0.36,0,-0.02 --turn -25 --clip curl --time 1.4"),
@@ -69,7 +69,7 @@ def bends(studio, side):
     sheet = figures.Sheet(len(figures.COLUMNS), len(ANGLES), tile, size, "two ways to bend",
                           "the same knots, sheared and swept")
     for column, (subject, yaw) in enumerate(zip(figures.COLUMNS, YAWS)):
-        # What is to the right in the picture.
+        # The direction to the right in the picture.
         right = (math.cos(math.radians(yaw)), -math.sin(math.radians(yaw)))
         packs = []
         for bend in STEEPEST:

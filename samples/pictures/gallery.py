@@ -195,7 +195,7 @@ def slices(studio):
 
 
 def windows(studio):
-    """What programs with a window show. Returns the pictures' names."""
+    """Draws the windows of programs. Returns the pictures' names."""
     options = studio.options
     packs = {name: studio.bake(os.path.join(options.models, name + ".glb"), name, "--resolution",
                                options.resolution * part // 8)

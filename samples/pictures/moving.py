@@ -20,7 +20,7 @@ import png  # noqa: E402
 FRAMES, RATE = 72, 12  # pictures, and how many a second: it plays for 6 s
 # Voxels along the longest side, in 16ths of --resolution.
 VOXELS = {"octopus": 7, "tentacle": 4, "kelp_plant": 6, "fusilier": 3, "seabed": 20}
-# What stands where, in meters; its clip, the clip's duration in seconds, and how often it is played.
+# Models: the place in meters, the clip, the clip's duration in seconds, and how often it is played.
 SCENE = (
     ("octopus", "--at=0.03,0.13,0.1 --turn 10", "idle", 8, 1),
     ("tentacle", "--at=-0.42,-0.01,0.16 --turn -25 --scale 0.95", "curl", 5, 1),

@@ -4,7 +4,7 @@
 export class KelpError extends Error {}
 
 export type Vector = [number, number, number];
-/** What may be shown: an address, which streams by HTTP ranges, or bytes. A `.vox` file is baked first. */
+/** A model to show: an address, which streams by HTTP ranges, or bytes. A `.vox` file is baked first. */
 export type Source = string | URL | Blob | ArrayBuffer | ArrayBufferView;
 
 export interface Options {
@@ -41,7 +41,7 @@ export interface Description {
   /** The model at rest, in meters. */
   min: Vector;
   max: Vector;
-  /** Whether the pack holds distances. */
+  /** True if the pack holds distances. */
   distances: boolean;
   parts: Part[];
   clips: {name: string; duration: number}[];
@@ -101,7 +101,7 @@ interface Events {
   picture: CustomEvent<Sizes>;
   /** The picture is as fine as it gets. */
   fine: CustomEvent<Sizes>;
-  /** What went wrong after load(), in words. `lost`: the graphics context; it comes back by itself. */
+  /** An error after load(), in words. `lost`: the graphics context; it comes back by itself. */
   problem: CustomEvent<{message: string; lost?: boolean}>;
   restored: CustomEvent<null>;
   camera: CustomEvent<Camera>;
@@ -136,7 +136,7 @@ export interface View extends EventTarget {
   /** A camera of the host's: world to eye, eye to clip, 16 numbers each, column by column. null: `camera`. */
   matrices(toEye: ArrayLike<number> | null, toClip?: ArrayLike<number>): void;
 
-  /** What is seen there. x and y, here and below: CSS pixels from the canvas's top left corner. */
+  /** The voxel that is seen there. x and y, here and below: CSS pixels from the canvas's top left corner. */
   pick(x: number, y: number): Hit | null;
   /** Takes hold of the model, then drags and lets go. false: there is nothing. */
   grab(x: number, y: number): boolean;

@@ -20,7 +20,7 @@ if(KELP_BAKER OR KELP_TOOLS)
   install(EXPORT kelpToolTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPONENT tools)
 endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-# What headers cite, in the folders of the sources, so that names and links lead there.
+# The documents that headers cite, in the folders of the sources, so that names and links lead there.
 foreach(document formats/SPEC.md formats/README.md runtime/README.md runtime/HOST_GUIDE.md runtime/c/README.md
   runtime/gl/README.md shaders/README.md shaders/METHOD.md tools/rig/README.md tools/rig/LANGUAGE.md)
   cmake_path(GET document PARENT_PATH folder)

@@ -61,7 +61,7 @@ function(kelp_add_library name)
   endif()
 endfunction()
 
-# What --version says in brackets: the pack format that the program writes, the libraries in it (property
+# The words that --version prints in brackets: the pack format that the program writes, the libraries in it (property
 # KELP_FEATURES of the targets that it links), the compiler.
 function(kelp_build_words result)
   file(STRINGS ${PROJECT_SOURCE_DIR}/formats/include/kelp/formats/pack.h lines

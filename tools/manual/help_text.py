@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the --help of kelp's programs says, taken apart."""
+"""Takes the --help of kelp's programs apart."""
 
 import re
 import subprocess

@@ -15,7 +15,7 @@ import help_text
 import man_page
 import zsh
 
-# What kelp-view, when it bakes, sets itself.
+# Options that kelp-view sets itself when it bakes.
 NOT_OF_VIEW = {"--progress", "--write-deps", "--deps-phony", "--deps-target", "--deps-file", "--help",
                "--version"}
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What may be typed for the value of an option: words, folders, files of some kinds."""
+"""The values that an option takes: words, folders, files of some kinds."""
 
 from dataclasses import dataclass, replace
 

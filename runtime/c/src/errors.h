@@ -16,7 +16,7 @@ inline kelp_result misuse(const char* text) { return fail(KELP_ERROR_MISUSE, tex
 inline kelp_result nullPointer() { return fail(KELP_ERROR_NULL, "a pointer is null that may not be"); }
 inline kelp_result noMemory() { return fail(KELP_ERROR_OUT_OF_MEMORY, "no memory for the object"); }
 
-// What a C++ function returned. `out` gets the value.
+// From the result of a C++ function to that of C. `out` gets the value.
 inline kelp_result answer(const Result<void>& result) { return result ? KELP_OK : fail(result.error()); }
 template <class T, class Out>
 kelp_result answer(const Result<T>& result, Out* out) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What handles name.
+// The objects behind handles.
 #pragma once
 
 #include <atomic>

@@ -51,7 +51,7 @@ class DrawList {
   // Instances that were left out, and why the first of them was.
   std::uint32_t leftOut() const { return static_cast<std::uint32_t>(left_out_count_); }
   const Error& firstLeftOut() const { return first_left_out_; }
-  // How a part of fog bends, by its place in the order, and whether any that is listed and bends so has heat.
+  // The bend of the fog part at this place in the order, and true if a listed fog part of this bend has heat.
   Bend fogBend(std::uint32_t place) const {
     return order_[count_ - 1 - place].key & kSweptFog ? Bend::kSweep : Bend::kShear;
   }

@@ -148,7 +148,7 @@ std::vector<std::vector<std::uint32_t>> findChains(const SkinSamples& samples, c
     ++children[above];
     below[above] = static_cast<int>(j);
   }
-  // Whether the joint goes on the chain of the joint above.
+  // True if the joint continues the chain of the joint above.
   const auto linked = [&](std::size_t j) {
     if (weights.own[j] < kLeastSurface || weights.above[j] < 0) return false;
     const auto above = static_cast<std::size_t>(weights.above[j]);

@@ -113,8 +113,8 @@ class Overlap {
     candidate.reach = std::min(kShare * seam.opening(place, center), most_) + kMore;
     candidate.steps = &(part == seam.a ? seam.steps : seam.back_steps)[place.motion];
   }
-  // Whether the part moves a voxel of its neighbor out of the solid, as the neighbor sees it. Where that
-  // closes what opens, it may, as far as its own voxel does from which that one was reached.
+  // True if the part moves a voxel of its neighbor out of the solid, as the neighbor sees it. Where the voxel
+  // closes a gap, it may stand out as far as the part's own voxel from which it was reached.
   bool standsOut(const Candidate& candidate, float distance, const glm::ivec3& at,
                  std::uint64_t origin) const {
     const bool closes = static_cast<double>(distance) <= candidate.reach - kMore + kMoreOut;

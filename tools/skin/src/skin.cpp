@@ -38,7 +38,7 @@ void keepStillClips(std::vector<std::vector<RigDescription::Clip>>& clips) {
   }
 }
 
-// Who has what, and how it moves.
+// A skin divided into parts: which samples and voxels each has, and how it moves.
 struct Divided {
   SkinLabels labels;
   PartTree tree;
@@ -94,7 +94,7 @@ std::vector<std::string> jointsOf(const SkinLabels& labels, std::size_t part,
   return its;
 }
 
-// Whether a swept part folds within a clip; its chain is added to those that are not swept.
+// True if a swept part folds within a clip. Adds its chain to `stiff`.
 bool foldsSomewhere(const Divided& divided, StiffChains& stiff) {
   bool folds = false;
   for (std::size_t p = 0; p < divided.tree.sweeps.size(); ++p) {

@@ -83,7 +83,7 @@ class ListedVoxels {
     return nearest != kNone && surface.contains(point).value_or(false) ? nearest : kNone;
   }
 
-  // Whether one of the voxels around is marked.
+  // True if one of the voxels around is marked.
   bool isKeptAround(std::uint64_t index, const std::vector<std::uint8_t>& kept) const {
     bool found = false;
     eachAround(voxelAt(whole_.size, index),

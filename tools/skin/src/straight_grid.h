@@ -24,7 +24,7 @@ class MeshSurface {
   // Of the mesh, not of what closes its holes.
   Nearest nearest(const glm::dvec3& point) const;
   const SurfaceLook& look() const { return look_; }
-  // Whether the point is inside; nullopt where the nearest surface has no inside.
+  // True if the point is inside; nullopt where the nearest surface has no inside.
   std::optional<bool> contains(const glm::dvec3& point) const;
 
  private:

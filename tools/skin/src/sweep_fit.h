@@ -69,7 +69,7 @@ class SweepFit {
   std::optional<Reached> reach(Curve& curve, const std::vector<glm::dvec3>& drawn) const;
   Curve step(const Curve& curve, const Reached& reached, const std::vector<glm::dvec3>& drawn,
              double stiffness) const;
-  // Whether the part would fold in it, or nearly.
+  // Fits `pose` to a moment. True if the part would fold in it, or nearly.
   bool pose(const SkinMoments& moments, std::size_t moment, double stiffness, SkinPose& pose) const;
   std::optional<Curve> improve(Curve curve, const std::vector<glm::dvec3>& drawn, double stiffness) const;
   std::vector<Knot> knotsOf(const Curve& curve) const;

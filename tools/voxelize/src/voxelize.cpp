@@ -101,7 +101,8 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   if (look.cutsOut()) cutOutVoxels(look, bvh, frame.size, threads, voxels);
   report(0.5);
 
-  // sampleSurface needs to know what made a voxel solid: one dense array for both.
+  // The array of voxel kinds (kKept, ...) also serves as the occupancy, because all but kEmpty are solid:
+  // sampleSurface needs the kinds, and a second dense array would double the memory.
   fields::Occupancy occupancy{frame.size, std::move(voxels)};
   VoxelizeResult result;
   {

@@ -32,12 +32,12 @@ struct AssetOptions {
 // Owns the decoded voxels. Thread-safe: any thread may call any function at any time; only the destructor
 // must come last. Starts no threads: the host calls pump() from its jobs or from a thread of its own.
 //
-// What is loaded: at first everything, coarse to fine. Once a renderer has called upload(), or the memory
+// Loading: at first everything, coarse to fine. Once a renderer has called upload(), or the memory
 // budget is used up, only what was requested recently, by draws and ray casts, the most urgent first, and
 // always the coarsest level of each part. Distances come after these coarsest levels and before everything
 // else, each level whole or not at all, and are never dropped.
 //
-// What must outlive what: an asset keeps its source alive if the source says how (Source::acquire), as
+// Lifetimes: an asset keeps its source alive if the source says how (Source::acquire), as
 // FileSource does. Poses and springs need no asset once they are made. An Instance only points: its asset and
 // its poses must live during the calls that take it. Remove an asset from its renderers before it is
 // destroyed; a renderer finds out otherwise, and refuses its instances (kMisuse).
@@ -78,7 +78,7 @@ class Asset {
   // The level of distances, if all of it is in memory; else null. Needs AssetOptions::distance_level. Where
   // the budget does not hold a level, coarser ones are there; loadAll() says so, pump() does not.
   const Level* distances(int part, int level) const;
-  // Whether the asset loads distances: it was asked to, and the pack has some.
+  // True if the asset loads distances: it was asked to, and the pack has some.
   bool loadsDistances() const;
   // Bytes of grids, pages and distances that are in memory now.
   std::uint64_t memory() const;

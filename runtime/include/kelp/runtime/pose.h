@@ -36,7 +36,7 @@ class Pose {
   Pose& operator=(Pose&& other) noexcept;
 
   int parts() const { return static_cast<int>(parts_); }
-  // Whether the pose has as many parts and knots as the asset. Functions that take both check this.
+  // True if the pose has as many parts and knots as the asset. Functions that take both check this.
   bool fits(const Asset& asset) const;
   // The knots of a part. Lengths are in heights of the part, as in rig files (kelp/formats/spline.h).
   // Empty for a part that does not exist.

@@ -8,7 +8,7 @@
 namespace kelp::bake {
 namespace {
 
-// Whether places along the part's axis matter.
+// True if places along the part's axis matter: it bends, or something hangs on its spline.
 bool bendable(const SourcePart& part) {
   const RigDescription& rig = part.rig;
   if (part.carries || !rig.sockets.empty()) return true;

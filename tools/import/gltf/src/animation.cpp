@@ -36,7 +36,7 @@ Sampled readSampler(const GltfModel& model, const tinygltf::Animation& animation
   return out;
 }
 
-// Whether a key is later than the one before. Some exporters write the last key twice: then the first counts.
+// True if a key is later than the one before. Some exporters write the last key twice: then the first counts.
 bool ascends(const GltfModel& model, const std::vector<float>& times, float time, const std::string& place) {
   if (!std::isfinite(time) || time < 0)
     model.refuse(place, "has a key at a time that is negative or not finite");

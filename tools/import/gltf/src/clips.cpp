@@ -39,7 +39,7 @@ RigDescription::Track mapChannel(const GltfChannel& channel, int knot, Target ta
   return track;
 }
 
-// Whether a track never leaves `neutral`. Exporters write such channels for everything that could move.
+// True if a track never leaves `neutral`. Exporters write such channels for everything that could move.
 bool still(const RigDescription::Track& track, const glm::vec4& neutral) {
   return std::all_of(track.keys.begin(), track.keys.end(), [&](const RigDescription::Key& k) {
     const bool flat = (!k.in || glm::length(*k.in) < 1e-6f) && (!k.out || glm::length(*k.out) < 1e-6f);
@@ -87,7 +87,7 @@ GltfTransform transformAt(const GltfTransform& rest, const NodeChannels& channel
   return out;
 }
 
-// Whether it has one value at all times.
+// True if it has one value at all times.
 bool constant(const GltfChannel& channel) {
   const auto all = [](const std::vector<glm::dvec4>& list, const glm::dvec4& value) {
     return std::all_of(list.begin(), list.end(), [&](const glm::dvec4& v) { return v == value; });

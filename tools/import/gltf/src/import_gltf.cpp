@@ -28,7 +28,7 @@ void noteNonFinite(const GltfModel& model, const std::string& part, const SoupBu
                " triangles with corners that are not finite are dropped");
 }
 
-// Whether rounding to floats may have damaged the shape of a soup, or removed all of its triangles.
+// True if rounding to floats may have damaged the shape of a soup, or removed all of its triangles.
 bool mayHaveLostItsShape(const TriangleSoup& soup) {
   if (soup.triangles.empty()) return soup.dropped > 0;
   glm::vec3 low = soup.positions[0], high = low;
@@ -71,10 +71,10 @@ class GltfImporter {
   }
 
  private:
-  // Whether the outer rig says which parts become of the file's skins.
+  // True if the outer rig says into which parts the file's skins are divided.
   bool dividesSkin() const { return outer_ && !outer_->rig.skin.empty(); }
 
-  // Whether the file's skins are its rig: asked for, or where nothing else is.
+  // True if the file's skins are its rig: asked for, or the file has no other.
   bool bendsBySkin() const {
     const bool asked = dividesSkin() || settings_.rig_preset == kSkinRig, skins = hasSkins(model_);
     if (!asked) {
@@ -287,7 +287,7 @@ class GltfImporter {
            (plan.rig ? "put extras.kelp on the mesh's node" : "parent the knots to the mesh");
   }
 
-  // Whether a rig is about all of the part and leaves knots, clips and sockets to others.
+  // True if a rig says how the whole part bends, and has no knots, clips and sockets.
   static bool saysOnlyHow(const RigDescription& rig) {
     return rig.knots.empty() && rig.clips.empty() && rig.sockets.empty();
   }

@@ -264,7 +264,7 @@ class MaterialReader {
   // The alphas of a picture, which many materials may share.
   struct AlphaRange {
     std::uint8_t least = 255, most = 0;
-    // Whether it has both opaque and transparent texels: a leaf on a card has, a tinted pane has not.
+    // True if it has both opaque and transparent texels: a leaf on a card has, a tinted pane has not.
     bool hasHoles() const { return least < 128 && most >= 128; }
   };
   const AlphaRange& alphaOf(int texture) {
@@ -279,7 +279,7 @@ class MaterialReader {
 
   float mostAlpha(int texture) { return static_cast<float>(alphaOf(texture).most) / 255.0f; }
 
-  // Whether COLOR_0 has alphas below 1 in any primitive that the scene shows with this material. Exporters
+  // True if COLOR_0 has alphas below 1 in any primitive that the scene shows with this material. Exporters
   // write alphas of 1 without a reason.
   bool cornersHaveAlpha(std::size_t material) {
     if (!colored_) colored_ = findColored();
@@ -319,7 +319,7 @@ class MaterialReader {
     return found;
   }
 
-  // Whether the material is glass or water, which kelp bakes as opaque. Exporters write BLEND for many
+  // True if the material is glass or water, which kelp bakes as opaque. Exporters write BLEND for many
   // materials that have no alpha below 1, and leaves are cut out instead.
   bool letsLightThrough(const tinygltf::Material& source, Alpha alpha, const SurfaceMaterial& material) {
     const tinygltf::Value* transmission = member(source.extensions, "KHR_materials_transmission");

@@ -10,10 +10,10 @@
 
 namespace kelp::bake {
 
-// Whether a mesh of the scene has a skin.
+// True if a mesh of the scene has a skin.
 bool hasSkins(const GltfModel& model);
 
-// Whether an animation moves a joint of a skin of the scene.
+// True if an animation moves a joint of a skin of the scene.
 bool movesJoints(const GltfModel& model, const std::vector<GltfAnimation>& animations);
 
 // The joint matrices of a skin, its mesh's space to each joint's.

@@ -16,7 +16,7 @@ typedef struct kelp_asset_options {
   int32_t distance_level;
   // The most bytes of grids and pages to keep in memory. What was not used for longest makes room.
   uint64_t memory_budget;
-  // What a pack may ask for; KELP_ERROR_LIMIT beyond.
+  // Limits of a pack; KELP_ERROR_LIMIT beyond.
   uint64_t max_decoded_bytes;   // of any one chunk
   uint64_t max_metadata_bytes;  // of all metadata together
   uint32_t max_side;            // voxels of the finest level along an axis
@@ -79,7 +79,7 @@ typedef struct kelp_material {
   float roughness;
 } kelp_material;
 
-// What is in a pack. Pointers are valid as long as the asset.
+// The content of a pack. Pointers are valid as long as the asset.
 typedef struct kelp_asset_info {
   uint32_t struct_size;
   uint32_t format_minor;
@@ -147,7 +147,7 @@ KELP_API kelp_result kelp_asset_get_clip(kelp_asset asset, int32_t clip, kelp_cl
 // The first clip of that name. KELP_ERROR_MISUSE: there is none; the error's text lists the names.
 KELP_API kelp_result kelp_asset_find_clip(kelp_asset asset, const char* name, int32_t* clip);
 
-// What a wave or track moves.
+// The thing that a wave or track moves.
 typedef int32_t kelp_target;
 enum {
   KELP_TARGET_KNOT_OFFSET = 0,

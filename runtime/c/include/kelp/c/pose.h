@@ -24,7 +24,7 @@ KELP_API kelp_result kelp_pose_create(kelp_asset asset, const kelp_allocator* al
 KELP_API kelp_result kelp_pose_destroy(kelp_pose pose);
 
 KELP_API kelp_result kelp_pose_get_parts(kelp_pose pose, int32_t* parts);
-// Whether the pose has as many parts and knots as the asset.
+// *fits: true if the pose has as many parts and knots as the asset.
 KELP_API kelp_result kelp_pose_fits(kelp_pose pose, kelp_asset asset, kelp_bool* fits);
 
 // Copies the knots of a part: at most `capacity` of them to `knots` (may be null if that is 0). *count: how
@@ -49,10 +49,10 @@ KELP_API kelp_result kelp_pose_assign(kelp_pose pose, kelp_pose other);
 // or knots, or a weight is not within 0 to 1.
 KELP_API kelp_result kelp_pose_blend(kelp_pose pose, kelp_pose to, float weight, const float* part_weights,
                                      uint32_t count);
-// Whether every part can be drawn: KELP_ERROR_NOT_MONOTONE, KELP_ERROR_FOLDS or KELP_ERROR_MISUSE, with the
-// index of the part as the error's offset.
+// KELP_OK if every part can be drawn. Else KELP_ERROR_NOT_MONOTONE, KELP_ERROR_FOLDS or KELP_ERROR_MISUSE, with
+// the index of the part as the error's offset.
 KELP_API kelp_result kelp_pose_check(kelp_pose pose);
-// Changes knots until it is so.
+// Changes knots until every part can be drawn.
 KELP_API kelp_result kelp_pose_clamp(kelp_pose pose);
 
 typedef int32_t kelp_play;

@@ -17,7 +17,7 @@ enum {
   KELP_STATE_LEAVE = 1
 };
 
-// What a renderer can do beyond drawing; a set of bits. Each costs something even where no view uses it.
+// Abilities of a renderer beyond drawing; a set of bits. Each costs something even where no view uses it.
 typedef uint32_t kelp_features;
 enum {
   KELP_FEATURE_SECONDARY_RAYS = 1,  // rays from what is seen: kelp_view.self_shadow, .occlusion_rays
@@ -109,7 +109,7 @@ typedef struct kelp_view {
   float sun_color[3];
   float sky_color[3];     // from above
   float ground_color[3];  // from below
-  // What the picture may cost.
+  // Limits on the cost of the picture.
   kelp_shading shading;
   int32_t finest_level;    // no finer level is drawn
   float pixels_per_voxel;  // about how many a voxel covers; 0: always the finest level

@@ -61,7 +61,7 @@ struct PageAccess {
   static void request(const Asset& asset, const LevelId& id, float urgency);
   // The page if it is in memory. Else an empty PinnedPage, and the page is requested.
   static PinnedPage pin(const Asset& asset, const LevelId& id, std::uint32_t page, float urgency);
-  // Whether the grid, or the page, is not to be had before the next retry(): loading it failed, or the asset
+  // True if the grid, or the page, cannot be loaded before the next retry(): loading it failed, or the asset
   // has no such level.
   static bool hasFailed(const Asset& asset, const LevelId& id);
   static bool hasFailed(const Asset& asset, const LevelId& id, std::uint32_t page);

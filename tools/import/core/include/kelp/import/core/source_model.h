@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What importers produce and voxelization reads: plain data, no types of other libraries.
+// The output of importers and the input of voxelization: plain data, no types of other libraries.
 #pragma once
 
 #include <array>

@@ -61,9 +61,9 @@ void closeDiagonalGaps(const Topology& mesh, const TriangleBvh& bvh, const glm::
 
 // The last step of the fill gives slender bodies the volume of their mesh. Removes voxels from solid
 // components whose voxels have more than the component's volume, or adds voxels to those with less, until the
-// sum is within 0.5 %. Large bodies are within it already, because rounding evens out, so nothing changes.
-// What changes: twigs and walls a few voxels thick, where both sides lie on the grid in the same way all over
-// (1.5 voxels become two), and voxels that scanlines keep where a slender body is seen edge-on.
+// sum is within 0.5 %. Large bodies are within it already, because rounding evens out, so they do not change.
+// Two things do: twigs and walls a few voxels thick whose two sides round the same way everywhere (1.5 voxels
+// become two), and voxels that the scanlines kept at the edges of a slender body.
 //
 // Voxels nearest to the surface change first; none changes whose center is half a voxel away or more. A flat
 // side along the grid changes as a whole or not at all. A voxel is removed only if its body continues beneath
