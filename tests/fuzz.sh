@@ -121,8 +121,8 @@ totals() {
     build/fuzz/turns | sort
 }
 
-# What is not the pack reader, as a pattern of paths. The reader is formats/ without the writers, what only
-# writers use, and sources of other systems.
+# All but the pack reader, as a pattern of paths. The reader is formats/ without the writers, their helpers,
+# and sources of other systems.
 NOT_READER='/(tests|tools|runtime|shaders|usr)/'
 NOT_READER+='|_writer|_encode|raw_pack|source_windows|worker_threads'
 readonly NOT_READER

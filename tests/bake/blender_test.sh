@@ -26,7 +26,7 @@ run_blender blender_export.py "$folder/reed.glb"
   --report "$folder/report.json" --progress none
 "$build/bin/kelp-dump" verify --deep "$folder/reed.kelp"
 
-# What the script drew: one part on three knots and one clip, without a notice.
+# The script drew one part on three knots and one clip, without a notice.
 python3 - "$folder/report.json" <<'PYTHON'
 import json
 import sys

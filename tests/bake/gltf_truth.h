@@ -163,7 +163,7 @@ class GltfTruth {
     return json_["meshes"][json_["nodes"][static_cast<std::size_t>(node)]["mesh"].get<std::size_t>()];
   }
 
-  // What the animation makes of a property of a node; empty: it leaves it alone. Sections 3.11 and C of the
+  // The animated value of a property of a node; empty: it is not animated. Sections 3.11 and C of the
   // specification.
   std::vector<double> animated(int node, const std::string& path, std::size_t width, int animation,
                                double time) const {

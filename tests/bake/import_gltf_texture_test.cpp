@@ -106,7 +106,7 @@ TEST_F(Textured, BasisTexturesFallBackOrAreRefused) {
   const std::string alone = R"("textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}],)";
   EXPECT_TRUE(contains(refusal(write(plain(), required + alone + both), Exit::kUnsupported),
                        "textures[0]: has only a KTX2 picture (KHR_texture_basisu)"));
-  // What no voxel shows may be as it likes.
+  // Pictures that no voxel shows may need anything.
   EXPECT_EQ(import(R"("normalTexture":{"index":0})", required + alone + both).materials[0].texture, -1);
 }
 
@@ -306,7 +306,7 @@ TEST_F(Textured, PathsAndLinksThatStayInTheFolderAreFollowed) {
   EXPECT_TRUE(contains(refusal(below / "model.gltf", Exit::kInvalid), "leaves the input's folder by a link"));
 }
 
-// What is wrong with a picture is said, and costs the model no more than its texture. Every kind:
+// A damaged picture makes a notice, and the model loses its texture alone. Every kind of damage:
 // import_picture_test.cpp.
 TEST_F(Textured, DamagedPicturesAreDoneWithout) {
   const std::pair<std::string, const char*> cases[] = {

@@ -38,9 +38,9 @@ TEST(ImportHostile, KnownBadFiles) {
     if (survive(entry.path())) accepted.push_back(entry.path().filename().string());
   }
   EXPECT_GT(files, 80);
-  // What the files' own reports say is tested with the program, tests/cli/kelp_bake_hostile_test.py.
-  // Sound geometry beside values of a wrong type that it does not need, and one bad line of an otherwise good
-  // OBJ.
+  // The reports of these files: tests/cli/kelp_bake_hostile_test.py.
+  // Accepted are sound geometry beside values of a wrong type that it does not need, and an OBJ with one bad
+  // line.
   for (const std::string& name : accepted)
     EXPECT_TRUE(name.rfind("bad", 0) == 0 || name == "malformed2.obj") << name;
 }
@@ -200,14 +200,14 @@ std::string list(int count, const std::string& item) {
   return list(count, [&](int) { return item; });
 }
 
-// What would take quadratic time does not end within the time of a test.
+// In quadratic time these files would exceed the time limit of a test.
 void expectEnds(const char* extension, const std::string& text) {
   const Scratch scratch;
   FilesUsed used;
   EXPECT_FALSE(importFile(scratch.write(std::string("model") + extension, text), {}, &used).parts.empty());
 }
 
-// What several buffers have of one file is each one's own.
+// Several buffers may read one file, each with its own length.
 TEST(ImportHostile, BuffersOfOneFileKeepTheirLengths) {
   const Scratch scratch;
   scratch.write("t.bin", bytesOf(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0, 0, 0, 2, 0}));
@@ -415,7 +415,7 @@ TEST(ImportHostile, ManyTexturesWithoutAPicture) {
                                  "]"));
 }
 
-// What nodes that share a mesh have to say of it is said once, and there is an end to what they read of it.
+// Nodes that share a mesh make one notice together, and what they read of it has a bound.
 TEST(ImportHostile, ManyNodesOfOneMesh) {
   const Scratch scratch;
   GltfMaker maker;

@@ -487,7 +487,7 @@ TEST(ImportMesh, StlTextAndBinaryAgree) {
           Exit::kInvalid);
 }
 
-// What follows "solid" in a header may be any words, and what follows the facets any bytes: the count tells.
+// Any words may follow "solid" in a header, and any bytes the facets: the count decides.
 TEST(ImportMesh, StlWordsInABinaryFileMeanNothing) {
   const Scratch scratch;
   const auto file = [](const std::string& head, std::uint32_t count, const std::string& tail) {

@@ -438,7 +438,7 @@ std::size_t find(const std::string& file, unsigned char marker) {
   return file.find(std::string{'\xff', static_cast<char>(marker)});
 }
 
-// What cameras and programs write beside the specification, and no pixel depends on.
+// Faults that cameras and programs write, and that no pixel depends on.
 TEST(JpegPictures, HarmlessFaultsAreBorne) {
   const std::string sound = jpeg({});
   const std::vector<std::uint8_t> expected = pixels(sound);

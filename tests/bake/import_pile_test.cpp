@@ -74,7 +74,7 @@ TEST(ImportPile, IsRefusedBeforeTheWork) {
         << error.what();
   }
   EXPECT_TRUE(report.parts.empty());
-  // What hundreds do is baked.
+  // A hundred boxes are baked.
   EXPECT_NO_THROW(bake::bake(scratch.write("few.obj", boxes(100)), settingsOf(24, 0), report));
 }
 

@@ -173,7 +173,7 @@ TEST_F(IntegerSheets, OnOneLatticeAreApart) {
             12u);
 }
 
-// What stands between two lattices may have been one border before it was rounded to either.
+// Vertices between two lattices may have been one border before they were rounded to either.
 TEST_F(IntegerSheets, OnOtherLatticesAreJoined) {
   EXPECT_EQ(vertices(R"([{"mesh":0},{"mesh":1,"translation":[0.25,0.25,0.25]},{"mesh":2}])", {0, 0, 8}, true),
             8u);

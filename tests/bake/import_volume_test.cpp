@@ -37,7 +37,7 @@ std::string binvox(const glm::ivec3& size, const std::function<bool(const glm::i
   return out;
 }
 
-// What is solid in the object, by the lattice that voxels of `edge` have from `origin` on.
+// Compares the solid voxels with `solid`, on the lattice that voxels of `edge` have from `origin` on.
 std::size_t expectSolid(const SourcePart& part, double edge, const glm::dvec3& origin,
                         const std::function<bool(const glm::ivec3&)>& solid) {
   const VoxelGrid& grid = *part.grid;
@@ -455,7 +455,7 @@ TEST(ImportRaw, TruncatedAndTooLarge) {
   settings.resolution = 4000;
   settings.resolution_given = true;
   settings.max_memory = std::uint64_t{1} << 30;
-  // What is said to fit does.
+  // The resolution that the error names fits.
   for (const bool solid : {false, true}) {
     if (solid) settings.isovalue = 0.5;
     settings.resolution = 4000;

@@ -28,7 +28,7 @@ std::string sampler() {
   return maker.bytes();
 }
 
-// Whether it was refused; as what it must be.
+// True if it was refused. Checks that the code and the message are those of a damaged file.
 bool refusedWell(const std::filesystem::path& path, const std::string& what) {
   Settings settings;
   settings.max_memory = std::uint64_t{256} << 20;

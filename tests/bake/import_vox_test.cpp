@@ -157,7 +157,7 @@ TEST(ImportVox, TheAxisOfTheRigChangesNoPlace) {
     settings.pad = 2;
     expectTruth(baked(path, settings), readVoxTruth(path));
   }
-  // What stands bends along its height: after its turn it is 4 high and 7 deep.
+  // An upright part bends along its height: after its turn it is 4 high and 7 deep.
   EXPECT_EQ(baked(path).parts[0].size, (glm::ivec3(3, 4, 7)));
 }
 

@@ -225,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Asset{"mesh/draco_testdata/test_pos_color.ply", {.colors = true}}),
     nameOf);
 
-// What OpenMesh writes, both read back: a lump made here, colored by its place, in every encoding.
+// Files that OpenMesh writes, and both read back: a lump made here, colored by its place, in every encoding.
 TEST(OpenMeshFiles, InEveryEncodingReadTheSame) {
   const Scratch scratch;
   Peer lump;

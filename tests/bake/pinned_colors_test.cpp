@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is known of real files from outside kelp: where in the world they have a surface, and of what color.
+// Facts about real files from outside kelp: where in the world they have a surface, and of what color.
 // The figures come from a second reading of the files (accessors, node matrices, skins and PNGs by another
 // program, rays against the triangles in double precision) and were looked at in pictures. Nothing here calls
 // an importer, so a swapped axis, a lost matrix or a turned texture has nowhere to hide.

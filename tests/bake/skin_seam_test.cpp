@@ -231,7 +231,7 @@ class Seams {
   std::vector<Line> lines_;
 };
 
-// What a fade opens beyond what its clips do is less than a voxel.
+// A fade opens seams by less than a voxel more than its clips do.
 TEST(SkinSeams, WalkingTurnsIntoRunningWithoutFurtherGaps) {
   KELP_ASSET(path, "gltf/draco_testdata/Fox/Fox.gltf");
   const Seams seams(path);

@@ -50,7 +50,7 @@ struct Tables {
                R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) + "\"}";
     return buffer_count++;
   }
-  // What EXT_meshopt_compression wants beside the compressed bytes: a place where the plain ones would lie.
+  // EXT_meshopt_compression wants a place for the plain bytes beside the compressed ones.
   std::size_t placeholder(std::size_t size) {
     buffers += (buffer_count ? "," : "") + std::string(R"({"byteLength":)") + number(size) +
                R"(,"extensions":{"EXT_meshopt_compression":{"fallback":true}}})";

@@ -250,7 +250,7 @@ class HandMade {
 
 TEST(VdbHostile, NoGridReadsTheBytesOfAnother) {
   const Scratch scratch;
-  // What the grids say of themselves ends in a text that goes on to a tree behind all of them.
+  // The description of the grids ends in a text that reaches to a tree behind all of them.
   constexpr std::size_t kGrid = 4 + 1 + 4 + 16 + 4 + 24 + 12;
   HandMade shared(2);
   const std::size_t tail = shared.size() + 2 * kGrid;

@@ -18,8 +18,7 @@ struct VoxTruth {
   bool has_palette = false;
   std::array<int, 257> shown_at{};  // the place of a color index in the palette, from 0
 };
-// What is seen at a frame (where it begins: the first key of everything). Damaged files are no concern of
-// this reader's.
+// The voxels that are seen at a frame (-1: the first key of everything). This reader takes sound files only.
 VoxTruth readVoxTruth(const std::filesystem::path& path, int frame = -1);
 
 // Builds a file chunk by chunk.

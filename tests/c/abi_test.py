@@ -58,7 +58,7 @@ def constants_of(text):
 
 
 def layout(include, structs, constants, cc):
-    """What a C program says of them."""
+    """The sizes and offsets that a C program prints."""
     lines = ["#include <kelp/kelp.h>", "#include <stdio.h>", "int main(void) {"]
     for name, fields in structs.items():
         lines.append('printf("struct %s: %%d bytes\\n", (int)sizeof(%s));' % (name, name))

@@ -22,7 +22,7 @@ struct Call {
   std::function<kelp_result(const Handles&)> call;
 };
 
-// What the calls below read and write; large enough for all of them.
+// Memory that the calls below read and write; large enough for all of them.
 const float kNumbers[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 const float kElsewhere[3] = {2, 3, 4};
 float numbers[64];

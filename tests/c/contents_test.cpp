@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is in a pack.
+// The content of a pack, in C and in C++.
 #include "both.h"
 #include "kelp/runtime/level.h"
 

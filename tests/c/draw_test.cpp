@@ -194,7 +194,7 @@ TEST_P(CDraw, DepthFogAndReversedDepth) {
   ASSERT_KELP(kelp_renderer_destroy(renderer));
 }
 
-// What a shader of the host's sees: kelpSurface, View::bind, motion vectors.
+// The inputs of a host's shader: kelpSurface, View::bind, motion vectors.
 TEST_P(CDraw, ShadersOfTheHost) {
   const BothAssets assets(packFile("distance"));
   const BothInstances instances(assets);

@@ -59,7 +59,7 @@ void print() {
   crash();
 }
 
-// What goes on where it is not stopped leaves a file, or a process, or what cannot be overlooked.
+// If nothing stops these calls, they leave a file, a process or another visible trace.
 void exec() { execl("/bin/sh", "sh", "-c", "exit 0", nullptr); }
 void execInThread() { std::thread(exec).join(); }
 void forkIt() {
@@ -83,7 +83,7 @@ void bindParent() {
   syscall(SYS_sched_setaffinity, getppid(), sizeof first, &first);
 }
 void keepAccounts() { syscall(SYS_acct, "none"); }
-// What a limit had been lowered by, is not to be had again.
+// A limit that was lowered cannot be raised again.
 void raiseLimits() {
   for (const auto kind : {RLIMIT_DATA, RLIMIT_FSIZE, RLIMIT_CORE}) {
     rlimit limit{};
@@ -100,7 +100,7 @@ void uring() {
   if (syscall(SYS_io_uring_setup, 1, nullptr) != -1 || errno != ENOSYS) raise(SIGUSR2);
 }
 
-// What the process tells its parent by: the first pipe beside the standard streams.
+// The pipe to the parent: the first one beside the standard streams.
 int pipeToParent() {
   struct stat status {};
   for (int file = 3; file < 64; ++file)
@@ -251,7 +251,7 @@ bool isIn(int file) {
   return isIn(path);
 }
 
-// Whether this call fails; errno is set then, where the program is still there.
+// True if this call must fail; errno is set then. A plan with at_call calls that instead.
 bool fails(Kind kind) {
   const long number = ++plan().count[kind];
   if (plan().kind != kind || plan().number != number) return false;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the tests of kelp-bake as a build step share: a folder of small models, and a kelp-bake that runs in
+"""Shared by the tests of kelp-bake as a build step: a folder of small models, and a kelp-bake that runs in
 it."""
 import json
 import os

@@ -126,7 +126,7 @@ def damaged(good, number):
 
 
 def bake(folder, number, name, good, options):
-    """What is wrong with the end of this bake, if anything, and its exit code, and whether it crashed."""
+    """Returns the fault in the end of this bake, or None, its exit code, and True if it crashed."""
     place = os.path.join(folder, str(number))
     os.mkdir(place)
     path = os.path.join(place, name)

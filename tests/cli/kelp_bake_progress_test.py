@@ -25,7 +25,7 @@ TRIES = 60 if os.environ.get("KELP_ALL_TESTS") else 8
 
 class Progress(Case):
     def on_terminal(self, *arguments, columns=80, kind="xterm"):
-        """What a terminal gets."""
+        """The text that a terminal gets."""
         primary, secondary = pty.openpty()
         fcntl.ioctl(secondary, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
         process = subprocess.Popen([KELP_BAKE, *arguments], cwd=self.folder, stdout=subprocess.PIPE,

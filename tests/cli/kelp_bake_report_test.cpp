@@ -111,7 +111,7 @@ TEST_F(KelpBakeReport, FaultsAreCounted) {
       << said_;
 }
 
-// What the half-edge meshes of the components show: after welding, and without what is there twice.
+// The faults that the half-edge meshes of the components show, after welding and without doubled faces.
 TEST_F(KelpBakeReport, EdgesOfThreeTrianglesBowTiesAndMoebiusStripsAreTold) {
   const auto diagnosis = [](const json& from) {
     return std::array<int, 5>{from["open_edges"], from["split_edges"], from["split_vertices"],

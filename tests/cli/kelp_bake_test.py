@@ -73,7 +73,7 @@ class KelpBake(unittest.TestCase):
         text = result.stderr.decode()
         self.assertEqual(result.returncode, code, text)
         self.assertEqual(result.stdout, b"")
-        # What it would take may have been said before.
+        # The memory that it needs may be printed before.
         text = re.sub(r"^kelp-bake: .*: baking needs about [0-9.]+ .iB of memory\n", "", text)
         self.assertTrue(
             text.startswith("kelp-bake: ") and text.count("\n") == 1 and text.endswith("\n"), text)

@@ -282,7 +282,7 @@ class RealFiles(Case):
             reached.add(path.name)
 
     def check_file(self, source, resolution):
-        """Whether the file bakes to something solid."""
+        """True if the file bakes to something solid."""
         pack = self.folder / "real.kelp"
         size = [] if source.suffix == ".vox" else ["--resolution", str(resolution)]  # voxel by voxel
         done = subprocess.run([BAKE, source, "-o", pack, *size], capture_output=True, text=True)

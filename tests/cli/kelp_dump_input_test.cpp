@@ -212,7 +212,7 @@ TEST_F(Input, InfoReadsAtMost64KiBOfALargePack) {
       folder_.write("large.kelp", std::span<const std::byte>(test::writeToMemory(pack, 2)));
   ASSERT_GT(std::filesystem::file_size(path), 4u << 20);
 
-  // What a program reads that looks at no pack: its libraries.
+  // Bytes that a program reads without a pack: its libraries.
   const auto readBy = [](const std::vector<std::string>& arguments) {
     const std::optional<std::uint64_t> before = bytesRead();
     const ProcessResult result = test::dump(arguments);

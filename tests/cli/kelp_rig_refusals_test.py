@@ -18,7 +18,7 @@ TURNS = ("the spline turns back on itself between this knot and the next: a tang
          "where it goes; a swept part may not fold")
 ZERO = "the tangent of a knot is zero; give it or the next another offset or tangent"
 
-# What follows {"kelp": 1, "bend": "sweep", in the rig; what is said after the file, or after the part.
+# The rest of a rig after {"kelp": 1, "bend": "sweep",; the message after the file, or after the part.
 OF_A_PART = [
     # tangents of no direction
     ('"knots": [{"at": 0, "tangent": [0, 0, 0]}, {"at": 1}]', "knot 0 (at 0): " + ZERO),

@@ -119,7 +119,7 @@ class SkinRig(unittest.TestCase):
         return self.bake("--rig", self.path("mine.rig.json"), **more)
 
     def groups(self):
-        """What the pack in hand says its parts are."""
+        """The parts that the pack names."""
         return json.loads(self.dump())["skin"]["parts"]
 
     def names(self):

@@ -15,7 +15,7 @@ def sanitized(program):
 
 
 def limits(program):
-    """What subprocess.run needs to limit a program's address space.
+    """Arguments of subprocess.run that limit a program's address space.
 
     A sanitizer reserves terabytes of it, so there is no limit under one: check peak() instead. Its quarantine
     of freed memory would be most of that peak, so it gets smaller."""

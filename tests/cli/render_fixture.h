@@ -93,7 +93,7 @@ class KelpRender : public testing::Test {
     EXPECT_EQ(said(more), "");
     return Picture(out_);
   }
-  // What it prints; the picture is out_.
+  // The text that it prints; the picture is out_.
   std::string said(const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {pack_, "-o",      out_, "--size",       "120x120", "--yaw",
                                           "0",   "--pitch", "0",  "--background", "none"};

@@ -62,7 +62,7 @@ class Case(unittest.TestCase):
 
 class EveryProgram(Case):
     def outputs(self):
-        """What each writes to standard output."""
+        """Standard output of each program."""
         commands = ["%s %s" % (program, option) for program in PROGRAMS.values()
                     for option in ("--help", "--version")]
         if "kelp-dump" in PROGRAMS:
@@ -105,7 +105,7 @@ class EveryProgram(Case):
 
     @unittest.skipUnless("kelp-bake" in PROGRAMS, "no kelp-bake")
     def test_reports_and_rules_go_onto_open_streams(self):
-        """What others have written there stays, before and after."""
+        """Text that others write there, before and after, stays."""
         self.assertEqual(self.sh("(echo one; $kelp_bake model.obj -o a.kelp --resolution 8 -MF /dev/stdout; "
                                  "echo three) >log").returncode, 0)
         self.assertRegex(self.read("log").decode(), r"^one\na\.kelp: (.|\n)*model\.obj(.|\n)*\nthree\n$")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a terminal gets from a program."""
+"""The text that a terminal gets from a program."""
 import os
 
 

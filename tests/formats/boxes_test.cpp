@@ -74,8 +74,8 @@ std::uint8_t bestCode(const Solid& solid, const glm::ivec3& v) {
   return static_cast<std::uint8_t>(best);
 }
 
-// What a page knows of the level: its own bricks, the coarser level for those of other pages; and which
-// bricks are empty or inside.
+// The voxels of the level that a page knows: its own bricks, the coarser level for those of other pages; and
+// which bricks are empty or inside.
 Solid knownTo(const LevelGrid& grid, std::uint32_t page, const Solid& truth, const Solid* coarser) {
   Solid known(8 * brickGrid(truth.size));  // to the voxels that fill the last bricks
   known.each([&](const glm::ivec3& v) {

@@ -142,7 +142,7 @@ TEST(Exhaustive, EveryTwoIndexEntriesExchanged) {
   EXPECT_LE(other, count);
 }
 
-// What checksums cannot find: each byte of what a chunk holds, with five other values.
+// Changes that checksums cannot find: each byte of a chunk's content, with up to three other values.
 TEST(Exhaustive, EveryByteBehindTheChecksums) {
   constexpr unsigned kChanges[] = {0xffu, 0x01u, 0x80u};
   const PackSurgeon sound(specimenBytes());

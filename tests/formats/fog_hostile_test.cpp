@@ -277,7 +277,7 @@ TEST(FogHostile, LimitsAreObeyed) {
   EXPECT_TRUE(readFog(fogBytes(), {1000000, 26, 3, 3 * metadata}).equal);
 }
 
-// What only a validator sees, and how it names what the reader sees too.
+// Faults that only the verifier finds, and its names for those that the reader finds too.
 TEST(FogHostile, VerifyNamesWhatIsWrong) {
   struct Case {
     IssueId id;

@@ -263,7 +263,7 @@ const Lie kGridLies[] = {
     {"page of a brick too few", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 36, 1u); }},
 };
 
-// What the bytes of a page say is never out of the rules; but there may be too few or too many.
+// Every byte of a page decodes to something within the rules; but there may be too few or too many.
 const Lie kPageLies[] = {
     {"a byte less", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p.pop_back(); }); }},
     {"a byte more", kCorrupt,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Packs that are cut or changed, from another time, or asking for too much; reads and allocations that fail.
-// What contradicts itself: hostile_lies_test.cpp.
+// Tables that contradict themselves: hostile_lies_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>

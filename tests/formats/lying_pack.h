@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the tests of packs that lie have in common: a lie, and what a reader makes of a pack.
+// Shared by the tests of packs that lie: a lie, and the answer of a reader.
 #pragma once
 
 #include <gtest/gtest.h>

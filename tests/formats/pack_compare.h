@@ -15,7 +15,7 @@
 
 namespace kelp::test {
 
-// What no number of a pack may be.
+// Values that no number of a pack may have.
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 

@@ -44,7 +44,7 @@ inline Bytes zstdDecode(const std::byte* frame, std::size_t size) {
   return raw;
 }
 
-// Whether bytes are one whole zstd frame that says how large its content is: at most 1 MiB.
+// True if bytes are one whole zstd frame that names the size of its content, at most 1 MiB.
 inline bool isFrame(const Bytes& bytes) {
   const unsigned long long size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
   if (size > (1u << 20)) return false;

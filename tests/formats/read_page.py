@@ -149,7 +149,7 @@ class Page:
             self.know_outside(position)
 
     def know_outside(self, position):
-        """What is outside the grid, beside a brick."""
+        """Places outside the grid, beside a brick."""
         sides = [range(8 * p - 1, 8 * p + 9) for p in position]
         for axis in range(3):
             outside = [v for v in sides[axis] if v < 0 or v >= 8 * self.grid[axis]]

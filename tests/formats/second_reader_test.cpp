@@ -29,7 +29,7 @@ namespace {
 
 constexpr int kNoZstd = 77;
 
-// What a program printed and how it ended.
+// Output and exit code of a program.
 struct Outcome {
   int code = -1;
   std::string text;

@@ -46,7 +46,7 @@ std::vector<SweepRig> rigs() {
   return all;
 }
 
-// What README.md says of the estimate.
+// The tolerance that formats/README.md promises.
 TEST(Sweep, TheCenterLineIsTheSplineWithinTheTolerance) {
   int rigs_beyond = 0, all = 0;
   for (const SweepRig& rig : rigs()) {

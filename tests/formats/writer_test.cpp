@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the writer refuses, and how it deals with its sink.
+// Input that the writer refuses, and sinks that fail.
 #include <gtest/gtest.h>
 
 #include <limits>

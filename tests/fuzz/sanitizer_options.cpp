@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the sanitizers do without being asked: any undefined behavior ends the run, and so does a single
-// allocation of more than kelp promises for hostile input. A small quarantine leaves the memory limit to the
-// code under test.
+// Defaults of the sanitizers: any undefined behavior ends the run, and so does a single allocation of more
+// than kelp promises for hostile input. A small quarantine leaves the memory limit to the code under test.
 extern "C" {
 const char* __asan_default_options();
 const char* __ubsan_default_options();

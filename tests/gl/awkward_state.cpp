@@ -30,8 +30,8 @@ class Setter {
   }
 
  private:
-  // What textures and samplers share: kelp's own choices (nearest, one level) are avoided where there is a
-  // third.
+  // Parameters of textures and of samplers: not kelp's own choices (nearest, one level), nor the initial
+  // ones, where there is a third.
   template <class Set>
   void sampling(Set&& set, bool rectangle) const {
     set(GL_TEXTURE_MIN_FILTER, rectangle ? GL_NEAREST : GL_LINEAR_MIPMAP_NEAREST);

@@ -134,7 +134,7 @@ TEST_P(BudgetTest, AQuarterOfTheScenesBytesDrawsAllTheTime) {
 
 KELP_GL_TESTS(BudgetTest);
 
-// What is resident does not depend on what OpenGL draws: on one that does nothing, a frame takes no time.
+// Residency does not depend on pictures, so these tests use an OpenGL that draws nothing: it is fast.
 class Residents : public testing::Test {
  protected:
   void SetUp() override { FakeGl::current() = &fake_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every test here needs: a context, a framebuffer to draw into and read, a renderer with one asset on
+// Shared by all tests here: a context, a framebuffer to draw into and read, a renderer with one asset on
 // the GPU.
 #pragma once
 

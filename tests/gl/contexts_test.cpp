@@ -74,7 +74,7 @@ constexpr int kPlaces = 6;
 
 class ContextsTest : public testing::Test {
  protected:
-  // What a host sees that is alone. Empty where the machine has no such context.
+  // The pictures of a host that is alone. Empty where the machine has no such context.
   std::vector<std::vector<Pixel>> alone(GlApi api) {
     Host host(api);
     std::vector<std::vector<Pixel>> out;

@@ -12,7 +12,7 @@ using runtime::Instance;
 struct Message {
   GLenum type = 0, severity = 0;
   std::string text;
-  // What a driver may say: notes, and what the application itself pushes. The rest is a complaint.
+  // A driver may send notes, and what the application itself pushes. All else is a complaint.
   bool isComplaint() const {
     return severity != GL_DEBUG_SEVERITY_NOTIFICATION &&
            (type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR ||
@@ -113,7 +113,7 @@ TEST_P(DebugTest, NothingIsComplainedOf) {
   EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
 }
 
-// What a frame's capture shows of kelp: every object by its name, every call within a group.
+// A capture of a frame shows every object of kelp by its name, and every call within a group.
 TEST_P(DebugTest, ObjectsHaveLabels) {
   gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;

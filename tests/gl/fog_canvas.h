@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What tests of fog draw into, and the rays of its pixels.
+// The framebuffer of tests of fog, and the rays of its pixels.
 #pragma once
 
 #include <algorithm>

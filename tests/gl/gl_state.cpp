@@ -185,7 +185,7 @@ constexpr Scalar kScalars[] = {
 };
 #undef KELP_SCALAR
 
-// What there is once for each of a number of things: draw buffers, binding points, viewports.
+// State that exists once for each of several things: draw buffers, binding points, viewports.
 struct Indexed {
   const char* name;
   GLenum what;

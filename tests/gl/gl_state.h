@@ -20,7 +20,7 @@ struct GlLimits {
   GLint vertex_bindings = 0, storage_buffers = 0, atomic_buffers = 0, image_units = 0;
 
   static GlLimits read();
-  // Whether this context has what came with these versions; 0: never.
+  // True if this context has features that came with these versions; 0: never.
   bool has(int since_desktop, int since_es) const {
     return es ? since_es != 0 && version >= since_es : since_desktop != 0 && version >= since_desktop;
   }

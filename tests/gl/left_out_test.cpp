@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What one instance may do to the others: a bad pose leaves it out alone. Palettes of instances, parts on
+// An instance with a bad pose is left out, and no other. Palettes of instances, parts on
 // splines, output for the screen.
 #include <cmath>
 #include <limits>

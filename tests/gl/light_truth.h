@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What light reaches a surface past the voxels of a posed part: by 256 rays in double precision, and by eight
-// rays of the GPU.
+// The light that reaches a surface past the voxels of a posed part: by 256 rays in double precision, and by
+// eight rays of the GPU.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ inline constexpr float kSunDegrees = 1;
 
 inline constexpr char kVisible[] =
     "vec4 kelpSurface(KelpSurface s) { return vec4(kelpVisible(s), 0.0, 1.0); }\n";
-// What eight rays to the sun's disc say, from where kelp's own start.
+// A surface that shows the light of eight rays to the sun's disc, which start where kelp's own do.
 inline constexpr char kEightSunRays[] =
     "vec4 kelpSurface(KelpSurface s) {\n"
     "  vec3 sun = kelp_sun_direction;\n"

@@ -121,7 +121,7 @@ TEST_F(MemoryTest, EveryAllocationMayFail) {
       check((*renderer)->draw(view(), {&instance, 1}));
       check((*renderer)->bindTrace(1, view(), {&instance, 1}));
       if (and_on) continue;
-      // What a moment's want of memory kept from the GPU is there with the next upload, at the latest.
+      // Uploads that failed for want of memory are made by the next upload, at the latest.
       ASSERT_TRUE((*renderer)->upload(~std::uint64_t{0})) << allowed;
       const auto drawn = (*renderer)->draw(view(), {&instance, 1});
       ASSERT_TRUE(drawn) << allowed;

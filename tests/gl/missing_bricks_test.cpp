@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is drawn at a point is what the finest resident brick there says, whichever way a ray comes: held to a
-// walk in double precision through a volume that is put together voxel by voxel, with random pages missing.
+// A point is drawn as its finest resident brick has it, from whichever side a ray comes: compared with a walk
+// in double precision through a volume that is put together voxel by voxel, with random pages missing.
 #include <random>
 
 #include "kelp/formats/level.h"
@@ -95,7 +95,7 @@ class Patchy {
     asset = openAsset(source_);
     std::mt19937 random(seed);
     const int last = asset->pack().parts()[0].levels - 1;
-    // What may not be read; grids fail now and then, and a whole level without a page is a case of its own.
+    // Bytes that may not be read. Grids fail now and then; a whole level without a page is a case of its own.
     struct Gap {
       std::uint64_t begin, end;
     };

@@ -10,7 +10,7 @@
 namespace kelp::test {
 namespace {
 
-// What trace.glsl and paper.glsl want defined: one segment, a dense volume.
+// Definitions that trace.glsl and paper.glsl need: one segment, a dense volume.
 constexpr char kDefines[] = R"(
 uniform vec3 segment[4];
 uniform ivec3 size;
@@ -61,7 +61,7 @@ TEST_P(PaperGlslTest, CompilesAndLinks) {
                                        std::string(option) + kDefines + shaders::kSpline + shaders::kCurve +
                                            shaders::kTrace + paper.str() + kMain);
     EXPECT_NE(program, 0u) << option;
-    // What it fetches from is still there, so its functions are.
+    // The texture that it reads is still in use, so its functions are.
     EXPECT_GE(glGetUniformLocation(program, "distances"), 0) << option;
     glDeleteProgram(program);
   }

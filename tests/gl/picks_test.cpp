@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is picked is what is seen: raycast() against the depth buffer, over scenes of posed instances that
+// A pick hits the voxel that is seen: raycast() against the depth buffer, over scenes of posed instances that
 // stand in each other.
 #include <cmath>
 #include <set>

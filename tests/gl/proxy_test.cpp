@@ -25,7 +25,7 @@ std::pair<double, double> insideOf(const dvec3& low, const dvec3& high, const dv
   return {enter, leave};
 }
 
-// Whether the ray's half-line goes through the triangle: on one side of the three planes through the eye and
+// True if the ray's half-line goes through the triangle: on one side of the three planes through the eye and
 // an edge. Orthographic: along d, from anywhere.
 bool meets(const dvec3 (&corners)[3], const dvec3& d) {
   const double a = glm::determinant(glm::dmat3(corners[0], corners[1], d)),

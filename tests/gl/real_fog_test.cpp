@@ -16,7 +16,7 @@ using runtime::Instance;
 
 constexpr glm::ivec2 kViewport(60, 90);
 
-// What a straight look along z hides, and colors that are not rounded.
+// Fog that is not seen straight along z, in colors that are not rounded.
 class RealFog : public testing::Test {
  protected:
   void SetUp() override {

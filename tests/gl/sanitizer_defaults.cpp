@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What sanitizers are not to look for in programs that draw by Mesa, which is not instrumented. Their
+// Checks that sanitizers leave out in programs that draw by Mesa, which is not instrumented. Their
 // runtimes call these functions, where there is one.
 
 // Mesa keeps some memory for ever, and the search for leaks fails where its threads are at their end. What

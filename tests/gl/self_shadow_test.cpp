@@ -13,7 +13,7 @@ namespace {
 
 using runtime::Instance;
 
-// What is visible of sun and sky, as the view says.
+// A surface that shows how much of sun and sky is visible.
 constexpr char kVisible[] = "vec4 kelpSurface(KelpSurface s) { return vec4(kelpVisible(s), 0.0, 1.0); }\n";
 
 // A volume that is solid where `inside`, at the voxels' centers; normals of the surface are `up`.

@@ -123,7 +123,7 @@ class StateTest : public GlTest {
   const Instance instance_{loaded_.asset.get(), nullptr};
 };
 
-// What the tests below rest on: no value that is compared could be right by being the initial one.
+// The tests below rest on this: no compared value could be right because it is the initial one.
 TEST_P(StateTest, TheAwkwardStateDiffersFromTheInitialOneInEveryValue) {
   const GlState initial = readGlState();
   setAwkwardState(Awkward::kEverything);
@@ -300,7 +300,7 @@ TEST_P(StateTest, KLeaveTouchesWhatIsDocumentedAndNothingElse) {
     setAwkwardState(how);
     GlState before = readGlState();
     const GlState first = before;
-    // Whether an entry tells of an object that is not the host's.
+    // True if an entry names an object that is not the host's.
     const auto isKelps = [&](const std::string& name, const GlState& now) {
       const std::string through = seenThrough(name);
       return !through.empty() && valueOf(now, through) != valueOf(first, through);

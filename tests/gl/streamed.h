@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the tests of streaming share: a source that counts and may fail, packs with many pages, a scene that
+// Shared by the tests of streaming: a source that counts and may fail, packs with many pages, a scene that
 // sways, runs of frames.
 #pragma once
 

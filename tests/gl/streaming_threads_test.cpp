@@ -102,8 +102,8 @@ class StreamingThreadsTest : public GlTest {
       seen = seen || drawn->instances == 1;
       EXPECT_LE(asset->memory(), memory_budget);
     }
-    // What rays look at stays in memory, and may leave too little room for what the renderer waits for: they
-    // rest now.
+    // Pages that rays use stay in memory, and may leave too little room for those that the renderer waits
+    // for: so the rays rest now.
     resting = true;
     flaky = false;
     asset->retry();

@@ -67,7 +67,7 @@ auto placesIn(const ArcChain& chain, const glm::ivec3& size) {
   };
 }
 
-// What there is to see of a pixel's ray, from `begin` to `end`.
+// The light along a pixel's ray, from `begin` to `end`.
 FogSight lookAlong(const FogTruth& truth, const ArcChain& chain, const PartRay& ray, double begin, double end,
                    double step = 1.0 / 16) {
   if (!(begin < end)) return {};

@@ -18,7 +18,7 @@ using runtime::Instance;
 
 constexpr glm::ivec2 kPixels{200, 150};
 
-// What one API draws: the default look, and which instance and how far.
+// The picture by one API: the default look, and which instance and how far.
 struct Picture {
   std::vector<Pixel> colors;
   std::vector<Pixel> names;    // the instance's tint: nothing, or one of the scene's instances

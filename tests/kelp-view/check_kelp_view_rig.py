@@ -33,7 +33,7 @@ class View:
         self.lines.put(None)
 
     def heard(self, word, seconds):
-        """Whether it says so in that time."""
+        """True if it prints this text in that time."""
         end = time.monotonic() + seconds
         while True:
             try:

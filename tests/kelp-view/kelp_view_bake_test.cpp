@@ -206,7 +206,7 @@ TEST_F(Round, APartThatIsSweptAndRolled) {
     ASSERT_LT(editor.realized().parts[0].knots[1].tangent.y, -0.5f);
     const std::string saved = scratch_.write("mine.rig.json", editor.text(0)).string();
 
-    // What the file says of its bend counts.
+    // The bend in the file counts, not the option.
     const Opened after(bake(source, "after.kelp", {"--rig", saved, "--bend", "shear"}));
     ASSERT_TRUE(after.asset);
     const Part& baked = (*after.asset)->pack().parts()[0];

@@ -301,7 +301,7 @@ TEST(ViewerRig, SocketsAreAddedMovedAndSaved) {
     const auto& realized = editor.realized().sockets;
     ASSERT_EQ(realized.size(), 5u);
     EXPECT_EQ(realized[3].at, 0.25f);
-    // What is saved is what the rig language reads.
+    // The rig language reads the saved text.
     EXPECT_EQ(parseRig(editor.text(0)), rig);
     // Along the axis nothing remains, and across it all does.
     const glm::vec3 in_part = axisRotation(axis) * rig.sockets[3].offset;
@@ -318,7 +318,7 @@ TEST(ViewerRig, SocketsAreAddedMovedAndSaved) {
   }
 }
 
-// What the packs' own writer would have written, byte for byte.
+// The same bytes as the packs' own writer gives.
 TEST(ViewerRig, APackWithAnotherRigIsThePackOfThatRig) {
   RigDescription more = reed(Axis::kPlusY);
   insertKnot(more, 0);

@@ -9,7 +9,7 @@
 
 namespace kelp::view {
 
-// What kelp-bake makes of a file whose part is `axis` and stands in its file as `in_file` has it.
+// The pack that kelp-bake makes of a file whose part is `axis` and stands in its file as `in_file` has it.
 inline RawPack packWith(const RigDescription& rig, const glm::mat3& in_file = glm::mat3(1),
                         const std::string& info = "{}", const glm::ivec3& size = {24, 50, 32}) {
   RawPack pack = test::packOf(test::ballClump(size, 12, 1));

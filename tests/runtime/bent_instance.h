@@ -50,7 +50,7 @@ inline std::vector<Knot> bentStem() {
           {1, {0, 1.4f, 0.2f}, {-3, 2, 0}}};
 }
 
-// What the tests ask: random numbers of the world of one instance of one part. The truth is exact if the
+// One instance of one part, and random questions about it in the world. The truth is exact if the
 // matrix scales x and z alike, for a swept part all three, and else still a distance to a point of the solid.
 class BentInstance {
  public:

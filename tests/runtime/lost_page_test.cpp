@@ -83,7 +83,7 @@ TEST(LostPage, OneThatIsLateHoldsUpOnlyWhatNeedsIt) {
     PageAccess::beginRequests(*asset);
     for (int level = 0; level < asset->pack().parts()[0].levels; ++level)
       PageAccess::request(*asset, {0, level}, 1);
-    // What waits is the most urgent.
+    // The page that waits is the most urgent.
     for (std::uint32_t page = 0; page < pages && asset->level(0, 0); ++page)
       (void)PageAccess::pin(*asset, {0, 0}, page, wanted[0][page] ? 1.0f : 2.0f);
     while (*asset->pump()) {

@@ -22,7 +22,7 @@ int casts(const test::BentInstance& bent) {
   return shareOf(bent, test::allTests() ? 67'000 : test::shareOf(400));
 }
 
-// What the truth itself may be too far, in voxels.
+// The error of the truth itself: it may be this far too large, in voxels.
 constexpr double kStep = 0.25;
 
 // The solid of a level: whole blocks of 2^level voxels in which any is solid.

@@ -172,7 +172,7 @@ TEST(Pose, NumbersThatAreNoneAreRefused) {
   EXPECT_TRUE(raycast(instance, down));
 }
 
-// What a host drags out of a slider: refused with the part, until the host asks for the clamp.
+// A pose that a host drags out of a slider is refused with the part, until the host asks for the clamp.
 TEST(Pose, ATurningPoseNamesItsPart) {
   RawPack pack = test::packOf(test::ballClump({24, 40, 24}, 8, 1));
   pack.parts.push_back(pack.parts[0]);

@@ -50,7 +50,7 @@ RawPack shapeOf(int height) {
   return pack;
 }
 
-// What a game does with an instance: one pose for each moment.
+// The poses of an instance in a game, one for each moment.
 std::vector<Pose> played(const Asset& asset, const glm::mat4& to_world) {
   std::vector<Pose> poses;
   Spring spring = *Spring::create(asset);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What knows a pose, of swept parts: points there and back, frames, sockets, blends, clamps and springs.
+// Functions of poses of swept parts: points there and back, frames, sockets, blends, clamps and springs.
 // The truth is that of tests/reference.
 #include <gtest/gtest.h>
 

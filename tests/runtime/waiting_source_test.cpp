@@ -126,7 +126,8 @@ TEST(WaitingSource, EverythingComesInAnyOrder) {
   }
 }
 
-// What has arrived is loaded although more urgent things have not, unless it is decoded with them.
+// Pages that have arrived are loaded before more urgent ones that have not, unless they are decoded with
+// these.
 TEST(WaitingSource, WhatIsThereGoesOn) {
   SlowSource slow(slowDustBytes(), 1, 1);
   slow.everything_is_there = true;

@@ -95,7 +95,7 @@ class Farm(unittest.TestCase):
         return text
 
     def farm(self, *more, code=0, **options):
-        """What was baked, and all that was said."""
+        """The packs that were baked, and all output."""
         text = self.end(self.start(*more, **options), code)
         return self.outputs(text), text
 

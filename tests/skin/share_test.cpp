@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the two halves of a tube share: as much as their seam opens.
+// The voxels that the two halves of a tube share: as many as their seam opens.
 #include "share.h"
 
 #include <cmath>

@@ -19,7 +19,7 @@ namespace {
 
 using SkinGroups = std::vector<RigDescription::SkinGroup>;
 
-// What INFO says of the parts, one entry a part.
+// The parts by INFO, one entry a part.
 SkinGroups partsOfInfo(const RawPack& pack) {
   SkinGroups parts;
   const nlohmann::json info = nlohmann::json::parse(pack.info_json);
@@ -85,7 +85,7 @@ class SkinRigFiles : public ::testing::Test {
     for (const Report::Part& part : report.parts) EXPECT_EQ(part.rig_origin, "rig file skin.rig.json");
     for (const std::string& notice : report.notices)
       EXPECT_EQ(notice.find("/skin/parts"), std::string::npos) << notice;
-    // What it says of itself is that rig again.
+    // INFO has that rig again.
     std::map<std::vector<std::string>, int> pieces;
     for (const auto& entry : entriesOf(partsOfInfo(after)))
       pieces[entry.joints] = 100 * entry.knots + entry.pieces;

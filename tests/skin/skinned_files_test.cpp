@@ -27,7 +27,7 @@ struct Baked {
   }
 };
 
-// What DESIGN and the issue ask of the worst clip at 128 voxels.
+// Of the pack in a file.
 std::size_t bytesOf(const RawPack& pack) {
   std::size_t bytes = 0;
   const Sink sink{[](void* user, std::span<const std::byte> piece) {
@@ -41,6 +41,7 @@ std::size_t bytesOf(const RawPack& pack) {
 
 bool isSwept(const Report::Part& part) { return part.swept; }
 
+// Checks the fit of the worst clip at 128 voxels; `mean` and `p95` are in voxels.
 void expectFit(const Baked& baked, double mean, double p95, std::size_t clips) {
   std::set<std::string> names;
   for (const Report::Clip& clip : baked.report.clips) {
@@ -53,7 +54,7 @@ void expectFit(const Baked& baked, double mean, double p95, std::size_t clips) {
   }
   EXPECT_EQ(names.size(), clips);
   EXPECT_EQ(baked.pack.clips.size(), clips);
-  // What moves knots bends.
+  // Clips that move knots bend.
   for (const Report::Clip& clip : baked.report.clips)
     EXPECT_EQ(clip.bends,
               std::any_of(baked.report.parts.begin(), baked.report.parts.end(),
@@ -82,7 +83,7 @@ TEST(SkinnedFiles, FoxFits) {
   EXPECT_EQ(roots, 1);
   EXPECT_EQ(names.count("b_Head_05"), 1u);
   EXPECT_EQ(baked.report.parts[0].triangles, 576u);
-  // What its clips take in a pack.
+  // The bytes that its clips take in a pack.
   RawPack still = baked.pack;
   still.clips.clear();
   EXPECT_LE(bytesOf(baked.pack) - bytesOf(still), 30000u);
@@ -137,7 +138,7 @@ TEST(SkinnedFiles, RiggedSimpleFits) {
   KELP_ASSET(path, "gltf/skinned/rigged_simple.gltf");
   const Baked baked(path);
   expectFit(baked, 0.5, 2.0, 1);
-  // Whether asked for or not.
+  // The same parts if the skin is asked for.
   const Baked asked(path, kSkinRig);
   ASSERT_EQ(asked.pack.parts.size(), baked.pack.parts.size());
   for (std::size_t p = 0; p < asked.pack.parts.size(); ++p)

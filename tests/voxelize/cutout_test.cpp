@@ -170,8 +170,8 @@ TEST(CutOut, ComesFromTheAlphaModesOfGltf) {
   EXPECT_TRUE(anyContains(notices, "is transparent; it is baked opaque"));
 }
 
-// What is cut out entirely is left out, bodies too, says so once however often it is shown, and takes nothing
-// else with it.
+// Meshes that are cut out entirely are left out, bodies too, with one notice however often they are shown,
+// and nothing else goes with them.
 TEST(CutOut, PartsThatNobodySeesAreLeftOut) {
   const Scratch scratch;
   GltfMaker maker;

@@ -26,7 +26,7 @@ bool solidAt(const bake::VoxelGrid& grid, const dvec3& p) {
                          static_cast<std::size_t>(grid.size.y) * static_cast<std::size_t>(v.z))] != 0;
 }
 
-// Whether a small cube around a point lies within solid voxels: voxels that share a face leave no slit, those
+// True if a small cube around a point lies within solid voxels: voxels that share a face leave no slit, those
 // that share an edge do.
 bool wellInside(const bake::VoxelGrid& grid, const dvec3& p) {
   for (int corner = 0; corner < 8; ++corner) {
@@ -36,7 +36,7 @@ bool wellInside(const bake::VoxelGrid& grid, const dvec3& p) {
   return true;
 }
 
-// Whether the line through p along d meets the solid voxels, as a body eroded by that much, within a few
+// True if the line through p along d meets the solid voxels, as a body eroded by that much, within a few
 // voxels of p.
 bool meets(const bake::VoxelGrid& grid, const dvec3& p, const dvec3& d) {
   constexpr double kReach = 4;

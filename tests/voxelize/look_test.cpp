@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a mesh looks like at a point, against the formulas of glTF: factor x vertex color x texture.
+// The look of a mesh at a point, against the formulas of glTF: factor x vertex color x texture.
 #include "kelp/voxelize/surface/look.h"
 
 #include <gtest/gtest.h>

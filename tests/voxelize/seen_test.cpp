@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is seen of a baked model along the axes, against the triangles that are seen there: a voxel shows a
+// A baked model as it is seen along the axes, against the triangles that are seen there: a voxel shows a
 // surface that lies open, not one that is hidden behind it, and the side of it that is turned towards who
 // looks.
 #include <gtest/gtest.h>

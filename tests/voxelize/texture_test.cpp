@@ -116,7 +116,7 @@ TEST(Texture, InterpolatesAndWraps) {
   }
 }
 
-// What is transparent has no color to give: half of it leaves the color and halves the alpha.
+// Transparent texels give no color: half of them leave the color and halves the alpha.
 TEST(Texture, TransparentTexelsGiveNoColor) {
   Image image;
   image.width = 2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is true of a triangle soup, by brute force in double precision; shares no code with the baker.
+// The truth about a triangle soup, by brute force in double precision; shares no code with the baker.
 #pragma once
 
 #include <array>

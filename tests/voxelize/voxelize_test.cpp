@@ -415,7 +415,7 @@ TEST(MakeFrame, FitsTheBoxAndTurnsTheAxis) {
   EXPECT_NEAR((along.node_to_voxel * glm::dvec4(5, 2, 3, 1)).y, 0.0, 1e-9);
   EXPECT_NEAR((along.node_to_voxel * glm::dvec4(1, 2, 3, 1)).y, 8.0, 1e-9);
   EXPECT_GT(glm::determinant(glm::dmat3(along.node_to_voxel)), 0.0) << "mirrored";
-  // What does not divide evenly is centered.
+  // A box that does not divide evenly is centered.
   const bake::Frame odd = bake::makeFrame(soup, Axis::kPlusY, 3.0, "box");
   EXPECT_EQ(odd.size, glm::ivec3(2, 3, 1));
   EXPECT_NEAR((odd.node_to_voxel * glm::dvec4(3, 6, 4.5, 1)).y, 1.5, 1e-9);

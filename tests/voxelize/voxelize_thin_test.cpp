@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is thinner than a voxel: plates, wires, tips and specks.
+// Meshes thinner than a voxel: plates, wires, tips and specks.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -61,8 +61,8 @@ function(kelp_add_library name)
   endif()
 endfunction()
 
-# The words that --version prints in brackets: the pack format that the program writes, the libraries in it (property
-# KELP_FEATURES of the targets that it links), the compiler.
+# The words that --version prints in brackets: the pack format that the program writes, the libraries in it
+# (property KELP_FEATURES of the targets that it links), the compiler.
 function(kelp_build_words result)
   file(STRINGS ${PROJECT_SOURCE_DIR}/formats/include/kelp/formats/pack.h lines
     REGEX "kFormat(Major|Minor) = [0-9]+")

@@ -21,8 +21,8 @@ inline constexpr double kSmallestUnit = 1e-6, kLargestUnit = 1e6;
 // and clips stay in the file's own axes and units.
 void placeInObject(SourceModel& model, const ImportSettings& settings);
 
-// Voxels, triangles and the like of a part before it is voxelized, for the memory estimate. `frame`: of a mesh,
-// padded already. `pad` is added to volumes and fog.
+// Counts of voxels and triangles of a part before it is voxelized, for the memory estimate. `frame`: of a
+// mesh, padded already. `pad` is added to volumes and fog.
 PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad);
 
 // True if thousands of triangles lie over each other nearly everywhere: sorting their crossings would take

@@ -49,8 +49,8 @@ KELP_API kelp_result kelp_pose_assign(kelp_pose pose, kelp_pose other);
 // or knots, or a weight is not within 0 to 1.
 KELP_API kelp_result kelp_pose_blend(kelp_pose pose, kelp_pose to, float weight, const float* part_weights,
                                      uint32_t count);
-// KELP_OK if every part can be drawn. Else KELP_ERROR_NOT_MONOTONE, KELP_ERROR_FOLDS or KELP_ERROR_MISUSE, with
-// the index of the part as the error's offset.
+// KELP_OK if every part can be drawn. Else KELP_ERROR_NOT_MONOTONE, KELP_ERROR_FOLDS or KELP_ERROR_MISUSE,
+// with the index of the part as the error's offset.
 KELP_API kelp_result kelp_pose_check(kelp_pose pose);
 // Changes knots until every part can be drawn.
 KELP_API kelp_result kelp_pose_clamp(kelp_pose pose);

@@ -49,8 +49,8 @@ struct SkinParts {
   std::vector<std::string> notices;  // where the parts are not as the rig asks
 };
 
-// Throws if `part`, which has a skin, cannot be divided as its rig asks (RigDescription::skin, not empty): the
-// RigError names the joint that the skin lacks, or that is not below the joint before it in a chain.
+// Throws if `part`, which has a skin, cannot be divided as its rig asks (RigDescription::skin, not empty).
+// The RigError names the joint that the skin lacks, or that is not below the joint before it in a chain.
 void checkSkinRig(const SourcePart& part);
 
 // Divides `whole`, the voxels of `part` of the model in `frame`, among parts that follow its skin: those that
