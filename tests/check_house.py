@@ -9,7 +9,8 @@
   why: "Long: REASON".
 - Every room has a README, or the room around it has.
 - What tests/ports.sh web compiles calls no algorithm of std::ranges: emscripten's libc++ 13 has none.
-- A file that a README's table of files names exists in its folder; a source that any document names exists.
+- A file that a README's table of files names exists in its folder; a source that any document names exists,
+  and a file that it links.
 - clang-format, where it is installed, would change nothing.
 """
 
@@ -200,6 +201,9 @@ def check_names(path, lines, files, everything):
         for name in names:
             if not re.search("[A-Z]{4}", name) and not fnmatch.filter(known, name.rstrip("/")):
                 yield f"{path}:{number}: there is no {name} in {os.path.dirname(path)}"
+        for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", line):
+            if not os.path.exists(os.path.join(os.path.dirname(path), link)):
+                yield f"{path}:{number}: there is no {link}"
         for name in re.findall(r"`(?:\.\./)*([\w./-]+\.(?:h|hpp|c|cpp|glsl|inl|py|sh))`", line):
             if name not in names and not re.search("[A-Z]{4}", name) and name not in everything:
                 yield f"{path}:{number}: there is no {name}"

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Builds and tests kelp from nothing on Debian 12: installs what is missing, builds, tests.
 #   tests/run.sh                the build that samples/demo.sh makes (preset release), and all its tests
-#   tests/run.sh --sanitizers   the code that does not draw, built by clang with the address and the
-#                               undefined-behavior sanitizer (preset asan)
+#   tests/run.sh --sanitizers   the code that reads untrusted bytes, and the shaders' C++, built by clang
+#                               with the address and the undefined-behavior sanitizer (preset asan)
 #   tests/run.sh --all          takes hours. Both of these; with assertions and every case (preset dev,
 #                               KELP_ALL_TESTS); without the baker, by gcc and clang, optimized and not;
 #                               with the thread sanitizer (preset tsan); the packs of six builds, byte by
