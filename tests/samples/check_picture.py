@@ -16,7 +16,7 @@ def read_ppm(path):
     width, height = map(int, size.split())
     assert magic == b"P6" and depth == b"255" and len(
         pixels) == 3 * width * height, "not a whole PPM picture: " + path
-    return width, height, [tuple(pixels[i:i + 3]) for i in range(0, len(pixels), 3)]
+    return width, height, list(zip(pixels[0::3], pixels[1::3], pixels[2::3]))
 
 
 def share(pixels, test):

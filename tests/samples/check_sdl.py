@@ -16,6 +16,8 @@ import time
 import check_picture
 import x11_input
 
+SIZE = (960, 720)
+
 
 def is_red(r, g, b):
     return r > 120 and r > 2 * g and r > 2 * b
@@ -39,12 +41,13 @@ class Running:
         assert self.process.poll() is None, "it ended with %s: %s" % (self.process.returncode, text)
         return text
 
-    def wait_for_plants(self, seconds=60):
-        screen = x11_input.Screen()
-        screen.find(960, 720)
+    def wait_for_plants(self, screen, seconds=60):
+        """The first picture that shows them."""
         until = time.monotonic() + seconds
-        while check_picture.share(screen.picture(960, 720)[::7], check_picture.is_olive) < 0.05:
+        while check_picture.share(pixels := screen.picture(*SIZE), check_picture.is_olive) < 0.05:
             assert time.monotonic() < until, "it shows no plants: " + self.text()
+            time.sleep(0.1)
+        return pixels
 
     def stop(self):
         self.process.kill()
@@ -57,33 +60,16 @@ def check_encoded(pixels):
     assert plants[len(plants) // 2] > 110, "the plants are too dark: %d" % plants[len(plants) // 2]
 
 
-def check_click(program, pack, folder):
+def check_click(running, screen):
     """Red plants, and small ones at the tips, where the mouse was."""
-    plain, clicked = os.path.join(folder, "plain.ppm"), os.path.join(folder, "clicked.ppm")
-    subprocess.run([program, pack, "--frames", "2", plain], check=True, timeout=240)
-    width, height, before = check_picture.read_ppm(plain)
-    assert (width, height) == (960, 720)
-    assert check_picture.share(before, check_picture.is_olive) > 0.05, "the plants are missing"
+    before = running.wait_for_plants(screen)
     assert not any(is_red(*pixel) for pixel in before), "something is red before it is clicked"
     assert check_picture.share(before, is_mint) > 0.003, "nothing hangs on the socket"
     check_encoded(before)
-    screen = x11_input.Screen()
-    process = subprocess.Popen([program, pack, "--frames", "60", clicked])
-    try:
-        screen.find(width, height)
-        olive = [i for i, pixel in enumerate(before) if check_picture.is_olive(*pixel)]
-        # Well within the field, where a plant stands at every moment of its clip.
-        aim = olive[int(0.9 * len(olive))]
-        for _ in range(40):
-            if process.poll() is not None:
-                break
-            screen.click(aim % width, aim // width)
-            time.sleep(0.2)
-        assert process.wait(timeout=240) == 0
-    finally:
-        process.kill()
-    after = check_picture.read_ppm(clicked)[2]
-    assert check_picture.share(after, is_red) > 0.0002, "a click turns nothing red"
+    olive = [i for i, pixel in enumerate(before) if check_picture.is_olive(*pixel)]
+    # Well within the field, where a plant stands at every moment of its clip.
+    aim = olive[int(0.9 * len(olive))]
+    screen.click_until_red(aim % SIZE[0], aim // SIZE[0], SIZE, is_red, 0.0002)
 
 
 def damaged(pack, finest):
@@ -108,20 +94,20 @@ def put(content, used):
 class Watch:
     """Looks at the window, and wants plants in every frame."""
 
-    def __init__(self, running):
-        self.running, self.screen = running, x11_input.Screen()
-        self.screen.find(960, 720)
+    def __init__(self, running, screen):
+        self.running, self.screen = running, screen
 
     def until(self, pattern, count=1, seconds=120):
         """Until the program has said it so often."""
         until, looks = time.monotonic() + seconds, 0
         while time.monotonic() < until:
             text = self.running.text()
-            pixels = self.screen.picture(960, 720)
+            pixels = self.screen.picture(*SIZE)
             assert check_picture.share(pixels[::7], is_water) < 0.97, "a frame is blank, after\n" + text
             looks += 1
             if len(re.findall(pattern, text)) >= count and looks > 3:
                 return
+            time.sleep(0.1)
         raise AssertionError("it never says '%s' %d times: %s" % (pattern, count, self.running.text()))
 
 
@@ -129,13 +115,15 @@ def is_water(r, g, b):
     return abs(r - 148) < 3 and abs(g - 189) < 3 and abs(b - 199) < 3
 
 
-def check_exchange(program, kelp_bake, model, pack, folder):
+def check_window(program, kelp_bake, model, pack, folder):
     used, other = os.path.join(folder, "used.kelp"), os.path.join(folder, "other.kelp")
     shutil.copy(pack, used)
     running = Running([program, used], os.path.join(folder, "log.txt"))
     try:
-        running.wait_for_plants()
-        watch = Watch(running)
+        screen = x11_input.Screen()
+        screen.find(*SIZE)
+        check_click(running, screen)
+        watch = Watch(running, screen)
         with open(pack, "rb") as file:
             whole = file.read()
         put(whole[:-100], used)
@@ -176,8 +164,7 @@ def main(program, kelp_bake, model, pack):
     with tempfile.TemporaryDirectory() as folder:
         check_without_socket(program, kelp_bake, model, folder)
         try:
-            check_click(program, pack, folder)
-            check_exchange(program, kelp_bake, model, pack, folder)
+            check_window(program, kelp_bake, model, pack, folder)
         except x11_input.Absent as absent:
             print("SKIPPED: " + str(absent))
         absent = os.path.join(folder, "absent.kelp")

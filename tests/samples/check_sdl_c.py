@@ -7,55 +7,48 @@ import os
 import subprocess
 import sys
 import tempfile
-import time
 
 import check_picture
 import x11_input
-from check_sdl import is_red
+from check_sdl import SIZE, is_red
 
 # Memory that a library below SDL keeps until the end.
 SUPPRESSED = "leak:libdbus\n"
 
 
 def check_leaks(program, pack, folder):
-    suppressions = os.path.join(folder, "leaks.supp")
+    suppressions, picture = os.path.join(folder, "leaks.supp"), os.path.join(folder, "picture.ppm")
     with open(suppressions, "w", encoding="utf-8") as file:
         file.write(SUPPRESSED)
     options = {"ASAN_OPTIONS": "detect_leaks=1:exitcode=99",
                "LSAN_OPTIONS": "print_suppressions=0:suppressions=" + suppressions}
-    done = subprocess.run([program, pack, "--frames", "2"], env={**os.environ, **options}, timeout=240,
-                          capture_output=True, text=True)
+    done = subprocess.run([program, pack, "--frames", "2", picture], env={**os.environ, **options},
+                          timeout=240, capture_output=True, text=True)
     assert done.returncode == 0, "%d: %s" % (done.returncode, done.stderr)
+    width, height, pixels = check_picture.read_ppm(picture)
+    assert (width, height) == SIZE
+    assert check_picture.share(pixels, check_picture.is_olive) > 0.05, "the plants are missing"
+    assert check_picture.share(pixels, is_red) < 0.0002, "something is red before it is clicked"
 
 
-def check_click(program, pack, folder):
-    plain, clicked = os.path.join(folder, "plain.ppm"), os.path.join(folder, "clicked.ppm")
-    subprocess.run([program, pack, "--frames", "2", plain], check=True, timeout=240)
-    width, height, before = check_picture.read_ppm(plain)
-    assert (width, height) == (960, 720)
-    assert check_picture.share(before, check_picture.is_olive) > 0.05, "the plants are missing"
-    assert check_picture.share(before, is_red) < 0.0002, "something is red before it is clicked"
+def check_click(program, pack):
     screen = x11_input.Screen()
-    process = subprocess.Popen([program, pack, "--frames", "24", clicked])
+    process = subprocess.Popen([program, pack])
     try:
-        screen.find(width, height)
-        for _ in range(40):
-            if process.poll() is not None:
-                break
-            screen.click(160, 470)  # the stem of the plant to the left in front
-            time.sleep(0.2)
-        assert process.wait(timeout=240) == 0
+        screen.find(*SIZE)
+        # the stem of the plant to the left in front
+        screen.click_until_red(160, 470, SIZE, is_red, 0.002)
+        screen.close()
+        assert process.wait(timeout=60) == 0
     finally:
         process.kill()
-    after = check_picture.read_ppm(clicked)[2]
-    assert check_picture.share(after, is_red) > 0.002, "a click turns nothing red"
 
 
 def main(program, with_sanitizer, pack, samples):
     with tempfile.TemporaryDirectory() as folder:
         check_leaks(with_sanitizer, pack, folder)
         try:
-            check_click(program, pack, folder)
+            check_click(program, pack)
         except x11_input.Absent as absent:
             print("SKIPPED: " + str(absent))
         absent = os.path.join(folder, "absent.kelp")

@@ -101,6 +101,14 @@ class Screen:
         self.button(True)
         self.button(False)
 
+    def click_until_red(self, x, y, size, is_red, share):
+        """Until more than that share of the picture is."""
+        for _ in range(120):
+            self.click(x, y)
+            if sum(1 for pixel in self.picture(*size) if is_red(*pixel)) > share * size[0] * size[1]:
+                return
+        raise AssertionError("a click turns nothing red")
+
     def drag(self, x, y, to_x, to_y):
         self.move(x, y)
         self.button(True)
@@ -127,9 +135,9 @@ class Screen:
                                    ctypes.c_ulong(0xffffff), 2)
         assert image and image[0].bits_per_pixel == 32 and image[0].byte_order == 0, "no picture of 24 bits"
         data = ctypes.string_at(image[0].data, image[0].bytes_per_line * height)
+        assert image[0].bytes_per_line == 4 * width
         self.x11.XDestroyImage(image)
-        rows = [data[row:row + 4 * width] for row in range(0, len(data), len(data) // height)]
-        return [(row[i + 2], row[i + 1], row[i]) for row in rows for i in range(0, 4 * width, 4)]
+        return list(zip(data[2::4], data[1::4], data[0::4]))
 
     def close(self):
         """Closes the window, as the cross of its frame does."""
