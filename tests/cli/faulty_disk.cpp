@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // A disk that fails, for a program that preloads this library (LD_PRELOAD): of the calls on files in the
 // folder KELP_FAULTY_FOLDER, the one of a kind with a number fails. KELP_FAULT="write 3 28": the third write
-// answers errno 28; "read short": every read gives at most three bytes, and so for write; "rename 1 crash":
-// at the first one the process crashes; "write 2 hang": at the second one it waits for ever; "write 1 lie":
-// one byte becomes another; "write 1 swap": there and after it, nothing is written but the file other.kelp.
-// KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the
-// end. Processes that the program starts count on. KELP_FAULT="exec model.obj", or another word of kDeeds: so
-// a library may do at a file; here a process that the program starts does, as it opens the first file whose
-// name ends so.
+// answers errno 28; "read short": every read gives a seventh of what it could, and so for write; "rename 1
+// crash": at the first one the process crashes; "write 2 hang": at the second one it waits for ever; "write 1
+// lie": one byte becomes another; "write 1 swap": there and after it, nothing is written but the file
+// other.kelp. KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each
+// kind, at the end. Processes that the program starts count on. KELP_FAULT="exec model.obj", or another word
+// of kDeeds: so a library may do at a file; here a process that the program starts does, as it opens the
+// first file whose name ends so.
 #undef _FORTIFY_SOURCE  // whose read() and pread() clang does not let be defined again
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -39,7 +39,6 @@ namespace {
 
 constexpr const char* kKinds[] = {"open", "read", "write", "fsync", "close", "rename"};
 enum Kind { kOpen, kRead, kWrite, kSync, kClose, kRename, kKindCount };
-constexpr std::size_t kShort = 3;
 
 void crash() { std::raise(SIGABRT); }
 void hang() {
@@ -272,7 +271,7 @@ void visit(const char* path) {
 }
 
 std::size_t atMost(Kind kind, std::size_t size) {
-  return plan().kind == kind && plan().number == 0 ? std::min(size, kShort) : size;
+  return plan().kind == kind && plan().number == 0 ? (size + 6) / 7 : size;
 }
 
 template <class Function>
@@ -340,7 +339,8 @@ ssize_t writev(int file, const iovec* parts, int count) {
   const iovec* const first =
       std::find_if(parts, parts + count, [](const iovec& part) { return part.iov_len > 0; });
   if (in && first != parts + count && atMost(kWrite, first->iov_len) < first->iov_len)
-    return next<ssize_t (*)(int, const void*, size_t)>("write")(file, first->iov_base, kShort);
+    return next<ssize_t (*)(int, const void*, size_t)>("write")(file, first->iov_base,
+                                                                atMost(kWrite, first->iov_len));
   return next<ssize_t (*)(int, const iovec*, int)>("writev")(file, parts, count);
 }
 
