@@ -104,15 +104,16 @@ TEST_F(Slice, EveryVoxelOfALayer) {
     check(axis, at, "occupancy", occupancy);
     check(axis, at, "normals", normals);
   }
-  // Brute force: the distance between closed cubes.
+  // Brute force: the distance between closed cubes, of which the nearest is one of the surface.
+  std::vector<glm::dvec3> surface;
+  part_.eachVoxel(0, [&](const glm::ivec3& s) {
+    if (attribute(s) >= 0) surface.emplace_back(s);
+  });
   const auto clearance = [&](const glm::ivec3& v) {
     if (part_.solid(v)) return Pixel{205, 92, 40, 255};
     double best = 1e9;
-    part_.eachVoxel(0, [&](const glm::ivec3& s) {
-      if (!part_.occupancy.solid[part_.occupancy.index(s)]) return;
-      const glm::dvec3 d = glm::max(glm::abs(glm::dvec3(s - v)) - 1.0, 0.0);
-      best = std::min(best, glm::length(d));
-    });
+    for (const glm::dvec3& s : surface)
+      best = std::min(best, glm::length(glm::max(glm::abs(s - glm::dvec3(v)) - 1.0, 0.0)));
     const int gray = std::min(static_cast<int>(4 * best + 1e-9), 255);
     return Pixel{gray, gray, gray, 255};
   };

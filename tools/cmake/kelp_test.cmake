@@ -17,13 +17,14 @@ function(kelp_untrusted)
 endfunction()
 
 # kelp_add_test(NAME SOURCES ... DEPENDS ... [RUNS program...] [LABELS ...] [ENVIRONMENT name=value] [DRIVES]
-#               [UNTRUSTED]): one GoogleTest program, every case a ctest entry.
+#               [UNTRUSTED filter]): one GoogleTest program, every case a ctest entry.
 # RUNS: programs of this build whose paths its sources know, kelp-dump's as KELP_DUMP.
+# UNTRUSTED: the cases that read untrusted bytes, as GoogleTest's --gtest_filter; "*" is all of them.
 # DRIVES: it computes nothing itself, so it is not optimized: that would take longer than it runs.
 # Built for another system, a program is one entry, because its emulator takes longer to start than most cases
 # to run; KELP_TEST_ARGUMENTS (preset web) leaves out what cannot run there: cases that start threads.
 function(kelp_add_test name)
-  cmake_parse_arguments(arg "DRIVES;UNTRUSTED" "ENVIRONMENT" "SOURCES;DEPENDS;RUNS;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "DRIVES" "ENVIRONMENT;UNTRUSTED" "SOURCES;DEPENDS;RUNS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_DEPENDS} kelp_test_support GTest::gtest_main)
   kelp_target_defaults(${name})
@@ -37,20 +38,25 @@ function(kelp_add_test name)
     add_dependencies(${name} ${program})
   endforeach()
   set(properties TIMEOUT 900)
-  if(arg_UNTRUSTED)
-    list(APPEND arg_LABELS untrusted)
-    add_dependencies(untrusted ${name})
-  endif()
-  if(arg_LABELS)
-    list(APPEND properties LABELS "${arg_LABELS}")
-  endif()
   if(arg_ENVIRONMENT)
     list(APPEND properties ENVIRONMENT "${arg_ENVIRONMENT}")
   endif()
+  set(labels)
+  if(arg_LABELS)
+    set(labels LABELS "${arg_LABELS}")
+  endif()
   if(CMAKE_CROSSCOMPILING)
     add_test(NAME ${name} COMMAND ${name} ${KELP_TEST_ARGUMENTS})
-    set_tests_properties(${name} PROPERTIES ${properties})
-  else()
-    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
+    set_tests_properties(${name} PROPERTIES ${properties} ${labels})
+    return()
+  endif()
+  if(arg_UNTRUSTED)
+    add_dependencies(untrusted ${name})
+    gtest_discover_tests(${name} TEST_FILTER "${arg_UNTRUSTED}" DISCOVERY_TIMEOUT 60
+      PROPERTIES ${properties} LABELS untrusted)
+  endif()
+  if(NOT arg_UNTRUSTED STREQUAL "*")
+    gtest_discover_tests(${name} TEST_FILTER "-${arg_UNTRUSTED}" DISCOVERY_TIMEOUT 60
+      PROPERTIES ${properties} ${labels})
   endif()
 endfunction()
