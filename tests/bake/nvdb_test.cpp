@@ -64,9 +64,11 @@ void expectSame(const std::filesystem::path& nvdb, const std::filesystem::path& 
 TEST(Nvdb, EveryTypeAndCodecIsTheSamePart) {
   const Scratch scratch;
   const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "a.nvdb";
+  int made = 0;
   for (const char* type : {"float", "double", "int32", "bool", "mask"})
     for (const char* grid_class : {"level set", "fog volume"})
       for (const NvdbCodec codec : {NvdbCodec::kNone, NvdbCodec::kZip, NvdbCodec::kBlosc}) {
+        if (!kelp::test::allTests() && made++ % 2 != 0) continue;
         const bool binary = std::string(type) == "bool" || std::string(type) == "mask";
         // NanoVDB makes none
         if ((binary || std::string(type) == "int32") && std::string(grid_class) == "level set") continue;

@@ -19,7 +19,8 @@ endfunction()
 # kelp_add_test(NAME SOURCES ... DEPENDS ... [RUNS program...] [LABELS ...] [ENVIRONMENT name=value] [DRIVES]
 #               [UNTRUSTED filter]): one GoogleTest program, every case a ctest entry.
 # RUNS: programs of this build whose paths its sources know, kelp-dump's as KELP_DUMP.
-# UNTRUSTED: the cases that read untrusted bytes, as GoogleTest's --gtest_filter; "*" is all of them.
+# UNTRUSTED: the cases that read untrusted bytes, as GoogleTest's --gtest_filter: "A.*:B.*", "*-A.*:B.*" (all
+# but these) or "*".
 # DRIVES: it computes nothing itself, so it is not optimized: that would take longer than it runs.
 # Built for another system, a program is one entry, because its emulator takes longer to start than most cases
 # to run; KELP_TEST_ARGUMENTS (preset web) leaves out what cannot run there: cases that start threads.
@@ -56,7 +57,8 @@ function(kelp_add_test name)
       PROPERTIES ${properties} LABELS untrusted)
   endif()
   if(NOT arg_UNTRUSTED STREQUAL "*")
-    gtest_discover_tests(${name} TEST_FILTER "-${arg_UNTRUSTED}" DISCOVERY_TIMEOUT 60
+    string(REPLACE "-*-" "" others "-${arg_UNTRUSTED}")
+    gtest_discover_tests(${name} TEST_FILTER "${others}" DISCOVERY_TIMEOUT 60
       PROPERTIES ${properties} ${labels})
   endif()
 endfunction()
