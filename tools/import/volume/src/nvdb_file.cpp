@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <type_traits>
 #include <utility>
 
 #define NANOVDB_USE_ZIP
@@ -12,7 +13,6 @@
 
 #include <nanovdb/util/GridValidator.h>
 #include <nanovdb/util/IO.h>
-#include <nanovdb/util/NanoToOpenVDB.h>
 
 #include "grid_choice.h"
 #include "grid_file.h"
@@ -36,6 +36,79 @@ struct NanoType {
   openvdb::GridBase::Ptr (*convert)(Handle& handle);
 };
 
+template <class T, class... Others>
+constexpr bool kIsOneOf = (std::is_same_v<T, Others> || ...);
+
+// OpenVDB's grid of the same values. Few types do: NanoVDB's own copy makes trees of each, which takes
+// minutes to compile. A mask becomes a bool grid of its active states.
+template <class Build>
+using GridFor = std::conditional_t<
+    kIsOneOf<Build, bool, nanovdb::ValueMask>, openvdb::BoolGrid,
+    std::conditional_t<
+        kIsOneOf<Build, nanovdb::Vec3f>, openvdb::Vec3SGrid,
+        std::conditional_t<kIsOneOf<Build, nanovdb::Vec3d>, openvdb::Vec3DGrid,
+                           std::conditional_t<kIsOneOf<Build, double, std::int16_t, std::int32_t,
+                                                       std::int64_t, std::uint32_t>,
+                                              openvdb::DoubleGrid, openvdb::FloatGrid>>>>;
+
+openvdb::Coord coordOf(const nanovdb::Coord& c) { return {c[0], c[1], c[2]}; }
+
+template <class Build, class Stored>
+auto valueOf(const Stored& stored, bool active) {
+  using Value = typename GridFor<Build>::ValueType;
+  if constexpr (std::is_same_v<Build, nanovdb::ValueMask>)
+    return active;
+  else if constexpr (std::is_same_v<Build, bool>)
+    return *reinterpret_cast<const unsigned char*>(&stored) != 0;  // the file may hold any byte
+  else if constexpr (openvdb::VecTraits<Value>::IsVec)
+    return Value(stored[0], stored[1], stored[2]);
+  else
+    return static_cast<Value>(stored);
+}
+
+template <class Build, class Node, class From>
+Node* copyNode(const From& from) {
+  auto node = std::make_unique<Node>(coordOf(from.origin()), openvdb::zeroVal<typename Node::ValueType>());
+  if constexpr (Node::LEVEL == 0) {
+    for (openvdb::Index i = 0; i < Node::SIZE; ++i) {
+      const auto stored = from.getValue(i);
+      node->setValueOnly(i, valueOf<Build>(stored, from.isActive(i)));
+      node->setActiveState(i, from.isActive(i));
+    }
+  } else {
+    for (auto slot = node->beginChildAll(); slot; ++slot) {
+      const openvdb::Index i = slot.pos();
+      const bool active = from.valueMask().isOn(i);
+      if (from.childMask().isOn(i))
+        slot.setChild(copyNode<Build, typename Node::ChildNodeType>(*from.data()->getChild(i)));
+      else
+        node->addTile(i, valueOf<Build>(from.data()->mTable[i].value, active), active);
+    }
+  }
+  return node.release();
+}
+
+template <class Build>
+openvdb::GridBase::Ptr copyOf(const nanovdb::NanoGrid<Build>& from) {
+  using Grid = GridFor<Build>;
+  const auto& data = *from.tree().root().data();
+  const auto copy = Grid::create(valueOf<Build>(data.mBackground, false));
+  auto& root = copy->tree().root();
+  for (std::uint32_t i = 0; i < data.mTableSize; ++i) {
+    const auto& tile = *data.tile(i);
+    if (tile.isChild())
+      root.addChild(
+          copyNode<Build, typename Grid::TreeType::RootNodeType::ChildNodeType>(*data.getChild(&tile)));
+    else
+      root.addTile(coordOf(tile.origin()), valueOf<Build>(tile.value, tile.state), tile.state);
+  }
+  openvdb::Mat4d rows = openvdb::Mat4d::identity();
+  rows.setMat3(openvdb::Mat3d(from.map().mMatD).transpose());
+  rows.setTranslation(openvdb::Vec3d(from.map().mVecD));
+  copy->setTransform(openvdb::math::Transform::createLinearTransform(rows));
+  return copy;
+}
+
 // Checks what NanoVDB can: the checksum, and that nodes lie within the grid.
 template <class Build>
 openvdb::GridBase::Ptr convert(Handle& handle) {
@@ -52,7 +125,7 @@ openvdb::GridBase::Ptr convert(Handle& handle) {
   if (fault.empty() && !nanovdb::validateChecksum(*grid, nanovdb::ChecksumMode::Full))
     fault = "wrong checksum";
   if (!fault.empty()) throw std::runtime_error(fault);
-  return nanovdb::nanoToOpenVDB(*grid);
+  return copyOf(*grid);
 }
 
 using T = nanovdb::GridType;

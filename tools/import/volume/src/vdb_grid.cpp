@@ -9,11 +9,9 @@ namespace {
 
 using openvdb::Coord;
 
-using Int16Grid = openvdb::Grid<openvdb::tree::Tree4<std::int16_t>::Type>;    // of NanoVDB files
-using UInt32Grid = openvdb::Grid<openvdb::tree::Tree4<std::uint32_t>::Type>;  // of NanoVDB files
-using ReadableGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid,
-                                        openvdb::Int64Grid, openvdb::BoolGrid, openvdb::MaskGrid,
-                                        openvdb::Vec3SGrid, openvdb::Vec3DGrid, Int16Grid, UInt32Grid>;
+using ReadableGrids =
+    openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
+                      openvdb::BoolGrid, openvdb::MaskGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid>;
 
 glm::ivec3 placeOf(const Coord& c) { return {c.x(), c.y(), c.z()}; }
 Coord coordOf(const glm::ivec3& v) { return {v.x, v.y, v.z}; }
@@ -103,9 +101,17 @@ class VdbTree : public VolumeTree {
 
 template <class Tree>
 bool isOnlyBackground(const Tree& tree) {
-  if (tree.leafCount() > 0) return false;
-  for (auto tile = tree.cbeginValueAll(); tile; ++tile)
-    if (tile.isValueOn() || *tile != tree.background()) return false;
+  const auto are = [&](const auto& node) {
+    for (auto tile = tilesOf(node); tile; ++tile)
+      if (tile.isValueOn() || *tile != tree.background()) return false;
+    return true;
+  };
+  if (!are(tree.root())) return false;
+  for (auto upper = tree.root().cbeginChildOn(); upper; ++upper) {
+    if (!are(*upper)) return false;
+    for (auto lower = upper->cbeginChildOn(); lower; ++lower)
+      if (lower->cbeginChildOn() || !are(*lower)) return false;
+  }
   return true;
 }
 
@@ -178,8 +184,8 @@ void describeVoxels(const InputFiles& files, const std::string& place, const ope
       refuse(Exit::kInvalid, files.input(), place,
              "has a node in the wrong place; the file is damaged: export the volume again");
     header.empty = isOnlyBackground(typed.tree());
-    header.active = typed.activeVoxelCount();
-    const openvdb::CoordBBox box = typed.evalActiveVoxelBoundingBox();
+    header.active = grid.activeVoxelCount();
+    const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
     header.low = placeOf(box.min());
     header.high = placeOf(box.max());
   };

@@ -8,11 +8,18 @@
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/points/PointDataGrid.h>
 #include <openvdb/points/PointRasterizeSDF.h>
+#include <openvdb/tools/PointIndexGrid.h>
 
 #include <fmt/format.h>
 
 #include "vdb_grid.h"
 
+#ifdef __OPTIMIZE__  // as in openvdb_types.h
+extern template class openvdb::tree::Tree<openvdb::points::PointDataTree::RootNodeType>;
+extern template class openvdb::Grid<openvdb::points::PointDataTree>;
+extern template class openvdb::tree::Tree<openvdb::tools::PointIndexTree::RootNodeType>;
+extern template class openvdb::Grid<openvdb::tools::PointIndexTree>;
+#endif
 namespace kelp::bake {
 namespace {
 

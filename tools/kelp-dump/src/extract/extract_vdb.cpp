@@ -17,6 +17,13 @@ class StreamArchive : public openvdb::io::Archive {
   }
 };
 
+nanovdb::GridHandle<nanovdb::HostBuffer> nanoGrid(const openvdb::GridBase::Ptr& grid) {
+  if (const auto numbers = openvdb::GridBase::grid<openvdb::FloatGrid>(grid))
+    return nanovdb::openToNanoVDB(*numbers);
+  return nanovdb::openToNanoVDB(
+      *openvdb::GridBase::grid<openvdb::Vec3SGrid>(grid));  // vdbGrids() makes no other
+}
+
 }  // namespace
 
 void extractVdb(const ExtractRequest& request) {
@@ -32,8 +39,7 @@ void extractVdb(const ExtractRequest& request) {
 void extractNvdb(const ExtractRequest& request) {
   withOpenVdb(request, [&] {
     std::vector<nanovdb::GridHandle<nanovdb::HostBuffer>> handles;
-    for (const openvdb::GridBase::Ptr& grid : vdbGrids(request))
-      handles.push_back(nanovdb::openToNanoVDB(grid));
+    for (const openvdb::GridBase::Ptr& grid : vdbGrids(request)) handles.push_back(nanoGrid(grid));
     OutputFile out(console::pathOf(request.output));
     out.writeBy([&](std::ostream& stream) {
       nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(stream, handles);

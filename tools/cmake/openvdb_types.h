@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Included before sources of OpenVDB by kelp_openvdb_sources(). libopenvdb holds these classes; without this,
+// every source that makes a grid compiles all that its tree can do. It holds no functions that are inlined.
+#pragma once
+
+#include <openvdb/openvdb.h>
+#ifdef __OPTIMIZE__
+#define KELP_IN_LIBOPENVDB(Type)                                          \
+  extern template class openvdb::tree::Tree<openvdb::Type::RootNodeType>; \
+  extern template class openvdb::Grid<openvdb::Type>;
+KELP_IN_LIBOPENVDB(FloatTree)
+KELP_IN_LIBOPENVDB(DoubleTree)
+KELP_IN_LIBOPENVDB(Int32Tree)
+KELP_IN_LIBOPENVDB(Int64Tree)
+KELP_IN_LIBOPENVDB(BoolTree)
+KELP_IN_LIBOPENVDB(MaskTree)
+KELP_IN_LIBOPENVDB(Vec3STree)
+KELP_IN_LIBOPENVDB(Vec3DTree)
+#endif
