@@ -14,7 +14,7 @@
 
 #include "vdb_grid.h"
 
-#ifdef __OPTIMIZE__  // as in openvdb_types.h
+#if defined(NDEBUG) && defined(__OPTIMIZE__) && !defined(__clang__)  // as in openvdb_types.h
 extern template class openvdb::tree::Tree<openvdb::points::PointDataTree::RootNodeType>;
 extern template class openvdb::Grid<openvdb::points::PointDataTree>;
 extern template class openvdb::tree::Tree<openvdb::tools::PointIndexTree::RootNodeType>;
