@@ -145,21 +145,22 @@ static int play(GLFWwindow* window, const char* path, runtime::Asset& asset, kel
   return exit_code;
 }
 
-static int run(GLFWwindow* window, const char* path, int frames, const char* picture) {
-  const auto asset = runtime::Asset::open(path);  // in an instant: no voxels yet
-  if (!asset) return failPack(path, asset.error());
+static int run(GLFWwindow* window, const char* path, runtime::Asset& asset, int frames, const char* picture) {
   const auto renderer = kelp::gl::Renderer::create({.getProcAddress = [](void*, const char* name) {
     return reinterpret_cast<void*>(glfwGetProcAddress(name));
   }});
   if (!renderer) return fail("renderer", renderer.error().detail, 4);
-  (*renderer)->add(**asset).value();
-  return play(window, path, **asset, **renderer, frames, picture);
+  (*renderer)->add(asset).value();
+  return play(window, path, asset, **renderer, frames, picture);
 }
 
 int main(int count, char** words) {
   const int frames = count > 3 && std::string_view(words[2]) == "--frames" ? std::atoi(words[3]) : 0;
   if (count != 2 && (frames <= 0 || count > 5))
     return fail("usage", "game_loop PACK.kelp [--frames N [PICTURE.ppm]]  (ends after N, saves the last)", 1);
+  const auto asset = runtime::Asset::open(words[1]);  // in an instant: no voxels yet
+  if (!asset) return failPack(words[1], asset.error());
+
   if (!glfwInit()) return fail("window", "no display: set DISPLAY, or use xvfb-run", 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
@@ -168,5 +169,5 @@ int main(int count, char** words) {
   GLFWwindow* const window = glfwCreateWindow(960, 720, "kelp: game_loop", nullptr, nullptr);
   if (!window) return fail("window", "no OpenGL 3.3 core context: update the graphics driver", 4);
   glfwMakeContextCurrent(window);
-  return run(window, words[1], frames, count == 5 ? words[4] : nullptr);
+  return run(window, words[1], **asset, frames, count == 5 ? words[4] : nullptr);
 }

@@ -223,7 +223,8 @@ class KelpBake(unittest.TestCase):
                                ([self.cube, "-o", self.out, "--config", "c.toml"], "command line"),
                                (["--print-config"], "--help")):
             self.fails(1, *words, says=["is gone", instead])
-        self.passes(self.cube, "-o", self.out, "--resolution", "4", "-MD", "-MT", "--force")
+        done = self.bake(self.cube, "-o", self.out, "--resolution", "4", "-MD", "-MT", "--force")
+        self.assertEqual(done.returncode, 0, done.stderr)
         self.write("@odd.obj", CUBE)
         self.assertEqual(subprocess.run([KELP_BAKE, "./@odd.obj", "-o", "out.kelp", "--resolution", "4"],
                                         cwd=self.folder.name, capture_output=True).returncode, 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The published schema and the parser speak one language, and the README's examples are part of it.
+// The published schema and the parser speak one language, and the examples of LANGUAGE.md are part of it.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -21,8 +21,8 @@ bool parses(const std::string& text) {
   }
 }
 
-TEST(RigSchema, AcceptsTheExamplesOfTheReadme) {
-  std::ifstream file(kFolder + "README.md");
+TEST(RigSchema, AcceptsTheExamplesOfItsPage) {
+  std::ifstream file(kFolder + "LANGUAGE.md");
   const std::string readme((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const test::JsonSchema schema(kFolder + "rig.schema.json");
   int examples = 0;
