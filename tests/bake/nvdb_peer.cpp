@@ -62,6 +62,8 @@ void writeNvdb(const std::filesystem::path& path, const std::filesystem::path& v
       handles.push_back(convert<nanovdb::ValueMask>(*mask, sum));
     } else if (const auto vectors = openvdb::GridBase::grid<openvdb::Vec3SGrid>(grid)) {
       handles.push_back(convert<nanovdb::Vec3f>(*vectors, sum));
+    } else if (const auto longs = openvdb::GridBase::grid<openvdb::Int64Grid>(grid)) {
+      handles.push_back(convert<std::int64_t>(*longs, sum));
     } else {
       throw std::invalid_argument(grid->getName());
     }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Included before sources of OpenVDB by kelp_openvdb_sources(). libopenvdb holds these classes; without this,
-// every source that makes a grid compiles all that its tree can do. clang -O1 and gcc -O0 call what it lacks.
+// every source that makes a grid compiles all that its tree can do. clang -O1 and gcc -O0 call what it lacks,
+// and so may a libopenvdb that was built without its explicit instantiations.
 #pragma once
 
 #include <openvdb/openvdb.h>
-#if defined(NDEBUG) && defined(__OPTIMIZE__) && !defined(__clang__)
+#if defined(OPENVDB_USE_EXPLICIT_INSTANTIATION) && defined(NDEBUG) && defined(__OPTIMIZE__) && \
+    !defined(__clang__)
 #define KELP_IN_LIBOPENVDB(Type)                                          \
   extern template class openvdb::tree::Tree<openvdb::Type::RootNodeType>; \
   extern template class openvdb::Grid<openvdb::Type>;

@@ -14,12 +14,11 @@
 
 #include "vdb_grid.h"
 
-#if defined(NDEBUG) && defined(__OPTIMIZE__) && !defined(__clang__)  // as in openvdb_types.h
-extern template class openvdb::tree::Tree<openvdb::points::PointDataTree::RootNodeType>;
-extern template class openvdb::Grid<openvdb::points::PointDataTree>;
-extern template class openvdb::tree::Tree<openvdb::tools::PointIndexTree::RootNodeType>;
-extern template class openvdb::Grid<openvdb::tools::PointIndexTree>;
+#ifdef KELP_IN_LIBOPENVDB  // openvdb_types.h
+KELP_IN_LIBOPENVDB(points::PointDataTree)
+KELP_IN_LIBOPENVDB(tools::PointIndexTree)
 #endif
+
 namespace kelp::bake {
 namespace {
 
