@@ -22,7 +22,7 @@ del sys.argv[1:END + 1]
 PATHS = {os.path.basename(path): path for path in PROGRAMS}
 SCRIPTS = {program: os.path.abspath(place(FOLDER, SHELL, program)) for program in PATHS}
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
-MODELS = {"glb", "gltf", "obj", "ply", "stl", "off", "drc", "vdb", "nvdb", "vox", "binvox", "raw"}
+MODELS = {"glb", "gltf", "vrm", "obj", "ply", "stl", "off", "drc", "vdb", "nvdb", "vox", "binvox", "raw"}
 OTHERS = {"kelp", "png", "json", "gpl", "txt", "ppm", "d"}
 
 

@@ -62,7 +62,7 @@ TEST(SkinCollapse, FitsAreTheBest) {
     for (const std::uint32_t i : bent.members) sum += bent.samples.areas[i] * bent.directCost(i, motions);
     return sum;
   };
-  const std::vector<glm::dmat4x3> fitted = fitRigid(bent.samples, bent.moments, bent.members, 1);
+  const std::vector<glm::dmat4x3> fitted = fitMotions(bent.samples, bent.moments, bent.members, 1);
   const double best = energy(fitted);
   for (int change = 0; change < 12; ++change) {
     const double step = change % 2 == 0 ? 0.02 : -0.02;
@@ -85,7 +85,7 @@ TEST(SkinCollapse, FitsAreTheBest) {
   for (std::uint32_t i = 0; i < bent.samples.size(); ++i)
     if (bent.samples.weight(i, 0) == 1) low.push_back(i);
   ASSERT_GT(low.size(), 10u);
-  const std::vector<glm::dmat4x3> rigid_fit = fitRigid(bent.samples, bent.moments, low, 2);
+  const std::vector<glm::dmat4x3> rigid_fit = fitMotions(bent.samples, bent.moments, low, 2);
   for (std::size_t t = 0; t < bent.moments.size(); ++t)
     for (const std::uint32_t i : low)
       EXPECT_LT(glm::distance(rigid_fit[t] * glm::dvec4(bent.samples.positions[i], 1),

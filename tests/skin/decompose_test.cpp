@@ -34,7 +34,7 @@ struct Divided {
     double sum = 0, area = 0;
     const auto members = of.members();
     for (std::size_t p = 0; p < members.size(); ++p) {
-      const std::vector<glm::dmat4x3> motions = fitRigid(samples, moments, members[p], of.joints[p]);
+      const std::vector<glm::dmat4x3> motions = fitMotions(samples, moments, members[p], of.joints[p]);
       for (const std::uint32_t i : members[p])
         for (std::size_t t = 0; t < moments.size(); ++t) {
           sum += samples.areas[i] * glm::distance(motions[t] * glm::dvec4(samples.positions[i], 1),

@@ -42,7 +42,7 @@ struct Keyed {
     std::vector<std::vector<glm::dmat4x3>> fitted;
     const auto members = labels.members();
     for (std::size_t p = 0; p < members.size(); ++p)
-      fitted.push_back(fitRigid(samples, moments, members[p], labels.joints[p]));
+      fitted.push_back(fitMotions(samples, moments, members[p], labels.joints[p]));
     for (std::size_t t = 0; t < times.size(); ++t) {
       const std::vector<SkinPose> poses = posesOfKeys(clips, tree, space, times[t]);
       for (std::size_t i = 0; i < samples.size(); ++i) {

@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass, replace
 
-MODELS = ["glb", "gltf", "obj", "ply", "stl", "off", "drc", "vdb", "nvdb", "vox", "binvox", "raw"]
+MODELS = ["glb", "gltf", "vrm", "obj", "ply", "stl", "off", "drc", "vdb", "nvdb", "vox", "binvox", "raw"]
 COLORS = ["gpl", "png", "jpg", "jpeg", "webp"]
 
 # Of values that --help calls FILE or OUT, the kinds that it does not say.

@@ -44,7 +44,7 @@ SourceModel importFile(const std::filesystem::path& path, const ImportSettings& 
     refuse(Exit::kIo, path, "",
            "is a pipe or a device; write it to a file first, as inputs are read more than once");
   const std::string extension = lowerExtension(path);
-  const bool gltf = extension == ".gltf" || extension == ".glb";
+  const bool gltf = extension == ".gltf" || extension == ".glb" || extension == ".vrm";
   if (settings.scene && !gltf)
     refuse(Exit::kUsage, path, "--scene " + oneLine(*settings.scene, 60),
            "only glTF files have scenes; leave the option out");
@@ -74,7 +74,8 @@ SourceModel importFile(const std::filesystem::path& path, const ImportSettings& 
   refuse(Exit::kUnsupported, path, "",
          (extension.empty() ? std::string("has no extension")
                             : "the extension '" + oneLine(extension, 20) + "' is not known") +
-             "; kelp bakes .gltf, .glb, .obj, .ply, .stl, .off, .drc, .vdb, .nvdb, .vox, .binvox and .raw");
+             "; kelp bakes .gltf, .glb, .vrm, .obj, .ply, .stl, .off, .drc, .vdb, .nvdb, .vox, .binvox and "
+             ".raw");
 }
 
 }  // namespace kelp::bake

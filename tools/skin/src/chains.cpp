@@ -65,7 +65,7 @@ Costs rigidCosts(const SkinSamples& samples, const SkinMoments& moments, const S
   const double share = 1 / static_cast<double>(moments.size());
   for (const auto& [part, its] : members) {
     const std::vector<glm::dmat4x3>& motion = motions[part] =
-        fitRigid(samples, moments, its, labels.joints[part]);
+        fitMotions(samples, moments, its, labels.joints[part]);
     for (std::size_t t = 0; t < moments.size(); ++t)
       for (const std::uint32_t i : its) {
         const glm::dvec3 off =
@@ -207,10 +207,14 @@ void joinParts(const std::vector<bool>& inside, const SkinChain& chain, SkinLabe
 void sweepChains(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
                  const SkinSpace& space, int threads, const StiffChains& stiff, SkinLabels& labels) {
   if (moments.size() == 0) return;
+  const std::vector<bool> scaling = scalingJoints(skin);
   // Where the end of a chain does not bend with it, as a foot on a leg, the rest may.
   for (std::vector<std::uint32_t>& chain : findChains(samples, skin, space))
     for (int tries = 0; tries < kMostTries && chain.size() > 1; ++tries) {
-      if (!stiff.contains(chain.front()) && sweepChain(samples, skin, moments, space, threads, chain, labels))
+      // A swept part keeps its thickness.
+      const bool scales = std::ranges::any_of(chain, [&](std::uint32_t joint) { return scaling[joint]; });
+      if (!scales && !stiff.contains(chain.front()) &&
+          sweepChain(samples, skin, moments, space, threads, chain, labels))
         break;
       chain.resize(chain.size() - std::max<std::size_t>(1, chain.size() / 4));
     }

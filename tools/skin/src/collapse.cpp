@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "collapse.h"
 
+#include <algorithm>
+
 #include "kelp/common/parallel.h"
 #include "rigid.h"
 
@@ -20,8 +22,8 @@ glm::dmat4 gram(const glm::dmat4x3& a, const glm::dmat4x3& b) {
 
 }  // namespace
 
-std::vector<glm::dmat4x3> fitRigid(const SkinSamples& samples, const SkinMoments& moments,
-                                   const std::vector<std::uint32_t>& members, std::uint32_t joint) {
+std::vector<glm::dmat4x3> fitMotions(const SkinSamples& samples, const SkinMoments& moments,
+                                     const std::vector<std::uint32_t>& members, std::uint32_t joint) {
   // Sums over the members: area times X x^T for each joint, with x = (position, 1), and of x x^T itself.
   std::vector<std::uint32_t> joints;
   std::vector<glm::dmat4> sums;
@@ -54,9 +56,18 @@ std::vector<glm::dmat4x3> fitRigid(const SkinSamples& samples, const SkinMoments
     glm::dmat4x3 drawn(0);  // the sum of area times y x^T, of drawn places y
     for (std::size_t j = 0; j < joints.size(); ++j) drawn += moments.motion(t, joints[j]) * sums[j];
     const glm::dvec3 drawn_middle = drawn[3] / area;
-    glm::dmat3 h = linearOf(drawn) - area * glm::outerProduct(drawn_middle, middle);
-    h += (kPullOfSpread * spread + kPullOfArea * area) * moments.rotation(t, joint);
-    const glm::dmat3 turn = nearestRotation(h);
+    const glm::dmat3 fit = linearOf(drawn) - area * glm::outerProduct(drawn_middle, middle);
+    const glm::dmat3 h = fit + (kPullOfSpread * spread + kPullOfArea * area) * moments.rotation(t, joint);
+    glm::dmat3 turn = nearestRotation(h);
+    double scaled = 0;
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      if (!keepsSize(moments.motion(t, joints[j]))) scaled += sums[j][3][3];
+    if (scaled >= kScaledShare * area && spread > 0) {
+      // The scale that is best with this turn (Umeyama 1991).
+      double along = 0;
+      for (int column = 0; column < 3; ++column) along += glm::dot(turn[column], fit[column]);
+      turn *= std::max(0.0, along / spread);
+    }
     motions.push_back(rigid(turn, drawn_middle - turn * middle));
   }
   return motions;
@@ -64,7 +75,7 @@ std::vector<glm::dmat4x3> fitRigid(const SkinSamples& samples, const SkinMoments
 
 PartMotion::PartMotion(const SkinSamples& samples, const SkinMoments& moments,
                        const std::vector<std::uint32_t>& members, std::uint32_t joint)
-    : motions_(fitRigid(samples, moments, members, joint)), slots_(moments.joints, -1) {
+    : motions_(fitMotions(samples, moments, members, joint)), slots_(moments.joints, -1) {
   for (const glm::dmat4x3& m : motions_) own_ += gram(m, m);
   own_ /= static_cast<double>(motions_.size());
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The least-squares rigid motions of sets of samples, and what following them costs each sample, in the mean
-// over all moments. Both come from sums of 4x4 matrices, so that the cost of a sample does not depend on how
-// many moments there are (README.md has the formulas).
+// The least-squares rigid motions of sets of samples, with a scale where joints scale, and what following
+// them costs each sample, in the mean over all moments. Both come from sums of 4x4 matrices, so that the cost
+// of a sample does not depend on how many moments there are (README.md has the formulas).
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,14 @@
 
 namespace kelp::bake {
 
+// Joints that move less of a part than this share of it do not scale it.
+inline constexpr double kScaledShare = 0.05;
+
 // The motions of a part, which follow its samples.
 class PartMotion {
  public:
   // Fits to `members`. They pull weakly towards the rotation of `joint`, which decides for parts that are
-  // flat or small.
+  // flat or small. A part has a scale at moments at which joints with kScaledShare of it have one.
   PartMotion(const SkinSamples& samples, const SkinMoments& moments,
              const std::vector<std::uint32_t>& members, std::uint32_t joint);
 
@@ -47,7 +50,7 @@ class PartMotion {
 std::vector<double> constantCosts(const SkinSamples& samples, const SkinMoments& moments, int threads);
 
 // One fit, at moments that need not be those of the others.
-std::vector<glm::dmat4x3> fitRigid(const SkinSamples& samples, const SkinMoments& moments,
-                                   const std::vector<std::uint32_t>& members, std::uint32_t joint);
+std::vector<glm::dmat4x3> fitMotions(const SkinSamples& samples, const SkinMoments& moments,
+                                     const std::vector<std::uint32_t>& members, std::uint32_t joint);
 
 }  // namespace kelp::bake

@@ -116,13 +116,19 @@ std::vector<glm::dvec3> outermost(const SkinSamples& samples, const std::vector<
 // The motion of a part within its pivot at all times.
 struct Motion {
   std::vector<glm::dquat> turns;  // neighbors have one sign
+  std::vector<double> scales;
   std::vector<glm::dvec3> shifts;
 };
 
 Motion motionAbout(const std::vector<glm::dmat4x3>& local, const glm::dvec3& pivot) {
+  constexpr double kNothing = 1e-6;  // of a scale: a point has no rotation
   Motion motion;
   for (const glm::dmat4x3& m : local) {
-    glm::dquat q = quaternionOf(linearOf(m));
+    const double scale = keepsSize(m) ? 1 : scaleOf(m);
+    motion.scales.push_back(scale > kNothing ? scale : 0);
+    glm::dquat q = scale > kNothing       ? quaternionOf(linearOf(m))
+                   : motion.turns.empty() ? glm::dquat(1, 0, 0, 0)
+                                          : motion.turns.back();
     if (motion.turns.empty() ? q.w < 0 : glm::dot(q, motion.turns.back()) < 0)
       q = glm::dquat(-q.w, -q.x, -q.y, -q.z);
     motion.turns.push_back(q);
@@ -131,22 +137,28 @@ Motion motionAbout(const std::vector<glm::dmat4x3>& local, const glm::dvec3& piv
   return motion;
 }
 
-// The keys of a part; `tolerance` for both tracks together, `of_turns` of it for the rotations alone.
+// The keys of a part; `tolerance` for all tracks together, `of_turns` of it for the rotations alone.
 struct KeyChoice {
-  std::vector<std::size_t> turns, shifts;
-  std::size_t size() const { return turns.size() + shifts.size(); }
+  std::vector<std::size_t> turns, scales, shifts;
+  std::size_t size() const { return turns.size() + scales.size() + shifts.size(); }
 };
 
 KeyChoice chooseTracks(const Motion& motion, const std::vector<float>& times,
                        const std::vector<glm::dvec3>& points, double tolerance, double of_turns) {
   std::vector<glm::dmat3> matrices;
-  for (const glm::dquat& turn : motion.turns) matrices.push_back(rotationOf(turn));
+  for (std::size_t i = 0; i < motion.turns.size(); ++i)
+    matrices.push_back(motion.scales[i] * rotationOf(motion.turns[i]));
   const auto turnAt = [&](std::size_t i, std::size_t a, std::size_t b) {
     return rotationOf(slerpShort(motion.turns[a], motion.turns[b], shareOf(times, i, a, b)));
   };
+  const auto scaleAt = [&](std::size_t i, std::size_t a, std::size_t b) {
+    return motion.scales[a] + shareOf(times, i, a, b) * (motion.scales[b] - motion.scales[a]);
+  };
+  double reach = 0;
+  for (const glm::dvec3& point : points) reach = std::max(reach, glm::length(point));
   KeyChoice choice;
   choice.turns = chooseKeys(times.size(), of_turns, [&](std::size_t i, std::size_t a, std::size_t b) {
-    const glm::dmat3 off = turnAt(i, a, b) - matrices[i];
+    const glm::dmat3 off = motion.scales[i] * turnAt(i, a, b) - matrices[i];
     double worst = 0;
     for (const glm::dvec3& point : points) {
       const glm::dvec3 moved = off * point;
@@ -154,12 +166,20 @@ KeyChoice chooseTracks(const Motion& motion, const std::vector<float>& times,
     }
     return std::sqrt(worst);
   });
-  std::vector<glm::dmat3> offs;  // what the rotation's keys leave
-  std::size_t k = 0;
+  choice.scales = chooseKeys(times.size(), 0.5 * of_turns, [&](std::size_t i, std::size_t a, std::size_t b) {
+    return reach * std::abs(scaleAt(i, a, b) - motion.scales[i]);
+  });
+  // The keys around a time.
+  const auto around = [](const std::vector<std::size_t>& keys, std::size_t i, std::size_t& k) {
+    while (k + 1 < keys.size() && keys[k + 1] <= i) ++k;
+    return std::pair(keys[k], keys[std::min(k + 1, keys.size() - 1)]);
+  };
+  std::vector<glm::dmat3> offs;  // what the keys of rotation and scale leave
+  std::size_t turn = 0, scale = 0;
   for (std::size_t i = 0; i < times.size(); ++i) {
-    while (k + 1 < choice.turns.size() && choice.turns[k + 1] <= i) ++k;
-    const std::size_t a = choice.turns[k], b = choice.turns[std::min(k + 1, choice.turns.size() - 1)];
-    offs.push_back(turnAt(i, a, b) - matrices[i]);
+    const auto [a, b] = around(choice.turns, i, turn);
+    const auto [c, d] = around(choice.scales, i, scale);
+    offs.push_back(scaleAt(i, c, d) * turnAt(i, a, b) - matrices[i]);
   }
   choice.shifts = chooseKeys(times.size(), tolerance, [&](std::size_t i, std::size_t a, std::size_t b) {
     const glm::dvec3 off =
@@ -198,6 +218,11 @@ struct KeySpace {
     const auto round = [&](double v) { return roundedKey(v, kKeyRounding * unit); };
     return {round(at.x), round(at.y), round(at.z), 0};
   }
+  // A factor, less one, as rigs have it.
+  glm::vec4 keyOf(double scale) const {
+    const float key = roundedKey(scale - 1, kKeyRounding / kSkinSide);
+    return {key, key, key, 0};
+  }
   glm::dquat turnOf(const glm::vec4& key) const {
     const glm::dvec3 axis = glm::transpose(turn) * glm::dvec3(glm::vec3(key));
     return {static_cast<double>(key.w), axis.x, axis.y, axis.z};
@@ -223,15 +248,18 @@ glm::dmat4x3 localAt(const RigDescription::Clip& clip, const glm::dvec3& pivot, 
                      double time) {
   glm::dquat turn(1, 0, 0, 0);
   glm::dvec3 shift(0);
+  double scale = 1;
   for (const Track& track : clip.tracks) {
     const Between at = valuesAt(track, time);
     if (movesKnots(track)) continue;
     if (track.target == Target::kPartRotation)
       turn = slerpShort(space.turnOf(at.a), space.turnOf(at.b), at.share);
+    else if (track.target == Target::kPartScale)
+      scale = 1 + glm::mix(static_cast<double>(at.a.x), static_cast<double>(at.b.x), at.share);
     else
       shift = glm::mix(space.shiftOf(at.a), space.shiftOf(at.b), at.share);
   }
-  const glm::dmat3 rotation = rotationOf(turn);
+  const glm::dmat3 rotation = scale * rotationOf(turn);
   return rigid(rotation, pivot + shift - rotation * pivot);
 }
 
@@ -241,7 +269,7 @@ std::vector<SkinPose> fitPart(const SkinSamples& samples, const SkinMoments& mom
                               const std::optional<SkinSweep>& sweep) {
   if (!sweep) {
     std::vector<SkinPose> poses(moments.size());
-    const std::vector<glm::dmat4x3> motions = fitRigid(samples, moments, members, joint);
+    const std::vector<glm::dmat4x3> motions = fitMotions(samples, moments, members, joint);
     for (std::size_t t = 0; t < motions.size(); ++t) poses[t].motion = motions[t];
     return poses;
   }
@@ -282,8 +310,8 @@ class PartKeys {
         sweep_(tree.sweeps[part]),
         points_(outermost(samples, members, pivot_)) {}
 
-  // Keys that keep the part within `tolerance` of the wanted poses; `parents`: what it follows. `reduced`
-  // becomes its poses by these keys.
+  // Keys that keep the part within `tolerance` of the wanted poses; `parents`: what it follows, rigid.
+  // `reduced` becomes its poses by these keys.
   RigDescription::Clip make(const std::vector<SkinPose>& wanted, const std::vector<glm::dmat4x3>& parents,
                             double tolerance, std::vector<SkinPose>& reduced) const {
     std::vector<glm::dmat4x3> local;
@@ -320,6 +348,8 @@ class PartKeys {
     const bool shifts = choice.shifts.size() > 1 || glm::length(motion.shifts[choice.shifts[0]]) > 1e-6;
     addTrack(clip, Target::kPartTranslation, choice.shifts, clip_.times, motion.shifts, space_, !shifts);
     addTrack(clip, Target::kPartRotation, choice.turns, clip_.times, motion.turns, space_, !turns);
+    const bool scales = choice.scales.size() > 1 || motion.scales[choice.scales[0]] != 1;
+    addTrack(clip, Target::kPartScale, choice.scales, clip_.times, motion.scales, space_, !scales);
     return clip;
   }
 

@@ -51,6 +51,14 @@ std::vector<std::size_t> witnesses(const SkinSamples& samples, std::size_t joint
 
 }  // namespace
 
+std::vector<bool> scalingJoints(const SourceSkin& skin) {
+  std::vector<bool> scaling(skin.joints.size(), false);
+  for (const SourceSkin::Clip& clip : skin.clips)
+    for (std::size_t i = 0; i < clip.motions.size(); ++i)
+      if (!keepsSize(clip.motions[i])) scaling[i % scaling.size()] = true;
+  return scaling;
+}
+
 std::vector<double> evenTimes(const SourceSkin::Clip& clip, int count) {
   std::vector<double> times;
   for (int i = 0; i < count; ++i) times.push_back(static_cast<double>(clip.duration) * (i + 0.5) / count);

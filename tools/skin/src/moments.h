@@ -28,6 +28,9 @@ struct SkinMoments {
   }
 };
 
+// Of each joint: true if a clip makes it larger or smaller.
+std::vector<bool> scalingJoints(const SourceSkin& skin);
+
 // The middles of `count` equal stretches of a clip.
 std::vector<double> evenTimes(const SourceSkin::Clip& clip, int count);
 

@@ -174,9 +174,14 @@ SkinLabels decomposeAsPlanned(const SkinSamples& samples, const SkinMoments& mom
 void sweepAsPlanned(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
                     const SkinSpace& space, const SkinPlan& plan, int threads, StiffChains& stiff,
                     SkinLabels& labels) {
+  const std::vector<bool> scaling = scalingJoints(skin);
   for (std::uint32_t g = 0; g < plan.groups.size(); ++g) {
     const SkinPlan::Group& group = plan.groups[g];
     if (group.knots == 0 || stiff.contains(group.top)) continue;
+    if (std::ranges::any_of(group.joints, [&](std::uint32_t joint) { return scaling[joint]; })) {
+      stiff.emplace(group.top, "a clip scales its joints, and a swept part keeps its thickness");
+      continue;
+    }
     const SkinChain chain{group.joints, group.knots};
     std::vector<bool> inside;
     for (const std::uint32_t joint : labels.joints) inside.push_back(plan.group_of[joint] == g);

@@ -46,7 +46,8 @@ SkinPlan planOf(const SourceSkin& skin, const std::vector<RigDescription::SkinGr
 SkinLabels decomposeAsPlanned(const SkinSamples& samples, const SkinMoments& moments, const SkinPlan& plan,
                               int threads, const std::function<void(double)>& step);
 
-// Makes one swept part of each group that has knots. Those that fold are added to `stiff` and stay rigid.
+// Makes one swept part of each group that has knots. Those that fold, or whose joints scale, are added to
+// `stiff` and stay rigid.
 void sweepAsPlanned(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
                     const SkinSpace& space, const SkinPlan& plan, int threads, StiffChains& stiff,
                     SkinLabels& labels);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Rigid motions in double precision: a rotation and a translation in a 4x3 matrix.
+// Rigid motions in double precision: a rotation and a translation in a 4x3 matrix. Those of parts whose
+// joints scale also have one scale for all directions.
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -29,6 +31,11 @@ inline glm::dmat4x3 inverseRigid(const glm::dmat4x3& m) {
   const glm::dmat3 back = glm::transpose(linearOf(m));
   return rigid(back, -(back * m[3]));
 }
+
+// The scale of a rigid motion that has one: the cube root of the volume of a unit cube.
+inline double scaleOf(const glm::dmat4x3& m) { return std::cbrt(std::abs(glm::determinant(linearOf(m)))); }
+// True for a motion that is nothing but rigid.
+inline bool keepsSize(const glm::dmat4x3& m) { return std::abs(scaleOf(m) - 1) <= 0.01; }
 
 inline glm::dmat4x3 compose(const glm::dmat4x3& a, const glm::dmat4x3& b) {
   const glm::dmat3 turn = linearOf(a);

@@ -38,7 +38,7 @@ class PartMotions {
     const std::vector<std::vector<std::uint32_t>> members = labels.members();
     for (std::size_t p = 0; p < members.size(); ++p) {
       if (!tree.sweeps[p]) {
-        rigid_[p] = fitRigid(samples, moments, members[p], labels.joints[p]);
+        rigid_[p] = fitMotions(samples, moments, members[p], labels.joints[p]);
         continue;
       }
       for (const SkinPose& pose : SweepFit(samples, *tree.sweeps[p], members[p]).poses(moments, 1).of_moments)
@@ -209,6 +209,8 @@ std::vector<SeamSteps> stepsAtSeams(const SkinSamples& samples, const SkinMoment
         its.steps.emplace_back();
         its.back_steps.emplace_back();
         for (std::size_t t = 0; t < of_a.size(); ++t) {
+          // What scales leaves its neighbors, and more of their voxels would scale along.
+          if (!keepsSize(of_a[t]) || !keepsSize(of_b[t])) continue;
           glm::dmat4x3 step = compose(inverseRigid(of_b[t]), of_a[t]);
           step[3] *= space.voxels;
           its.steps.back().push_back(step);

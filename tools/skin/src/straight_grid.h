@@ -19,7 +19,9 @@ namespace kelp::bake {
 class MeshSurface {
  public:
   MeshSurface(const SourceModel& model, const TriangleSoup& soup, const Frame& frame)
-      : mesh_(analyze(soup, frame, Fill::kAuto)), bvh_(mesh_), look_(model, soup, mesh_) {}
+      : mesh_(analyze(soup, frame, Fill::kAuto)), bvh_(mesh_), look_(model, soup, mesh_) {
+    look_.openCutOuts(mesh_);
+  }
 
   // Of the mesh, not of what closes its holes.
   Nearest nearest(const glm::dvec3& point) const;

@@ -6,6 +6,9 @@
 #include <set>
 #include <utility>
 
+#include "collapse.h"
+#include "moments.h"
+
 namespace kelp::bake {
 namespace {
 
@@ -110,6 +113,21 @@ std::vector<double> areasOf(const SkinSamples& samples, const SkinLabels& labels
 
 }  // namespace
 
+std::vector<bool> scalingParts(const SkinSamples& samples, const SourceSkin& skin, const SkinLabels& labels) {
+  const std::vector<bool> scaling = scalingJoints(skin);
+  std::vector<double> scaled(labels.joints.size(), 0), all(labels.joints.size(), 0);
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    for (std::size_t k = samples.first_weighted[i]; k < samples.first_weighted[i + 1]; ++k) {
+      const SkinSamples::Weighted& its = samples.weighted[k];
+      all[labels.parts[i]] += samples.areas[i] * its.x.w;
+      if (scaling[its.joint]) scaled[labels.parts[i]] += samples.areas[i] * its.x.w;
+    }
+  std::vector<bool> out;
+  for (std::size_t p = 0; p < all.size(); ++p)
+    out.push_back(scaled[p] > 0 && scaled[p] >= kScaledShare * all[p]);
+  return out;
+}
+
 std::vector<Seam> findSeams(const SkinSamples& samples, const SkinLabels& labels) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, Seam> seams;
   for (std::uint32_t e = 0; e < samples.edges.size(); ++e) {
@@ -137,6 +155,10 @@ PartTree hangParts(const SkinSamples& samples, const SourceSkin& skin, const Ski
   const std::vector<double> unsorted = areasOf(samples, labels);
   tree.parents = parentsOf(skin, unsorted, labels, findSeams(samples, labels),
                            mainParts(unsorted, labels, skin.joints.size()));
+  const std::vector<bool> scaling = scalingParts(samples, skin, labels);
+  for (int& parent : tree.parents)
+    while (parent >= 0 && scaling[static_cast<std::size_t>(parent)])
+      parent = tree.parents[static_cast<std::size_t>(parent)];
   sortParts(labels, tree.parents);
   const std::vector<double> areas = areasOf(samples, labels);
   const std::vector<std::uint32_t> main = mainParts(areas, labels, skin.joints.size());

@@ -33,10 +33,14 @@ struct PartTree {
 // The motion that a part with a parent has from it, when the parent is in such a pose: posed <- bind pose.
 glm::dmat4x3 motionFromParent(const PartTree& tree, std::size_t part, const SkinPose& parent);
 
+// Of each part: true if joints with kScaledShare of it are scaled by a clip. Then its motion has a scale.
+std::vector<bool> scalingParts(const SkinSamples& samples, const SourceSkin& skin, const SkinLabels& labels);
+
 // Sorts the parts so that parents come first. The largest part of a joint follows the joint above; further
 // ones follow the part with which they share the longest seam. Joints without a part above them follow the
 // largest of these within their skeleton. A swept part is that of all joints of its chain; what follows it
-// hangs on its spline. One that would fold by now is rigid after all.
+// hangs on its spline. One that would fold by now is rigid after all. No part follows one that scales: what
+// would hangs higher up, and has all of its motion itself.
 PartTree hangParts(const SkinSamples& samples, const SourceSkin& skin, const SkinSpace& space,
                    SkinLabels& labels);
 

@@ -82,13 +82,14 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
     return [&report, begin, end](double done) { report(begin + (end - begin) * done); };
   };
   report(0.0);
-  const Topology mesh = analyze(part.soup, frame, fill, threads);
+  Topology mesh = analyze(part.soup, frame, fill, threads);
+  SurfaceLook look(model, part.soup, mesh);
+  if (fill == Fill::kAuto) look.openCutOuts(mesh);
   report(0.15);
   std::vector<std::uint8_t> voxels(denseCount(frame.size), kEmpty);
   const std::vector<Scanned> scanned = fillScanlines(mesh, frame.size, threads, voxels);
   report(0.3);
   const TriangleBvh bvh(mesh, threads);
-  const SurfaceLook look(model, part.soup, mesh);
   {
     const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);
     keepThinParts(mesh, bvh, touched, frame.size, threads, voxels, between(0.3, 0.35));

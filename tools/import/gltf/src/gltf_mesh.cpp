@@ -2,6 +2,7 @@
 // Meshes of a glTF file as triangles: primitive modes, morph targets and skins at rest, attributes of
 // corners.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -64,11 +65,13 @@ int modeOf(const tinygltf::Primitive& primitive) {
 
 class PrimitiveReader {
  public:
-  // With `skins`: in the bind pose, and its vertices are added to them.
-  PrimitiveReader(const GltfModel& model, int node, const glm::dmat4& from_world, GltfSkins* skins = nullptr)
+  // `instance`: node <- mesh, but for a mesh with a skin. With `skins`: in the bind pose, and its vertices
+  // are added to them.
+  PrimitiveReader(const GltfModel& model, int node, const glm::dmat4& instance, const glm::dmat4& from_world,
+                  GltfSkins* skins = nullptr)
       : model_(model), node_(model.node(node)), index_(node), skins_(skins) {
     if (skins) {
-      to_part_ = from_world * skins->place(node);
+      to_part_ = from_world * skins->place(node) * instance;
       flip_ = glm::determinant(glm::dmat3(to_part_)) < 0;
     } else if (node_.skin >= 0) {
       for (const glm::dmat4& joint : jointMatrices(model, node_.skin)) joints_.push_back(from_world * joint);
@@ -76,7 +79,7 @@ class PrimitiveReader {
       // mesh.
       flip_ = !joints_.empty() && glm::determinant(glm::dmat3(joints_[0])) < 0;
     } else {
-      to_part_ = from_world * model.world[static_cast<std::size_t>(node)];
+      to_part_ = from_world * model.world[static_cast<std::size_t>(node)] * instance;
       flip_ = glm::determinant(glm::dmat3(to_part_)) < 0;
     }
     const glm::dmat3 linear(joints_.empty() ? to_part_ : joints_[0]);
@@ -129,6 +132,7 @@ class PrimitiveReader {
         model_.noteOnce(fmt::format(
             "{}: its material has a texture but it has no {}: the texture's corner is used", place, name));
     }
+    noteOtherColors(primitive, place);
     if (const int accessor = attributeOf(primitive, "COLOR_0"); accessor >= 0)
       colors = readSized(model_, accessor, 3, 4, count, place, "COLOR_0", true);
 
@@ -187,10 +191,12 @@ class PrimitiveReader {
     } else {
       for (std::size_t i = 1; i + 1 < indices.size(); ++i) emit(indices[i], indices[i + 1], indices[0]);
     }
-    if (cut > 0 && kept == 0 && model_.cut_out.insert(place).second)
-      model_.noteOnce(
-          place +
-          ": its alphaMode is MASK, and its alpha is below the cutoff everywhere: it is cut out entirely");
+    if (cut > 0 && kept == 0 && model_.cut_out.emplace(place, use.blends).second)
+      model_.noteOnce(place + ": its alpha is " + (use.blends ? "0" : "below the cutoff of alphaMode MASK") +
+                      " everywhere: it is invisible, and left out");
+    else if (cut > 0 && use.blends)
+      model_.noteOnce(fmt::format(
+          "{}: the alpha of {} of its triangles is 0: they are invisible, and left out", place, cut));
   }
 
   // Extends a box by the positions of the primitives that read() turns into triangles.
@@ -233,6 +239,17 @@ class PrimitiveReader {
       out[i] = total > 0 ? sum / total : glm::dvec3(joints_[0] * glm::dvec4(local[i], 1));
     }
     return out;
+  }
+
+  // Colors that glTF does not draw: further sets, and exporters' own names.
+  void noteOtherColors(const tinygltf::Primitive& primitive, const std::string& place) const {
+    for (const auto& [name, accessor] : primitive.attributes) {
+      std::string lower = name;
+      std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+      if (name != "COLOR_0" && (lower.find("color") != std::string::npos || lower.starts_with("_col")))
+        model_.noteOnce(place + "." + oneLine(name, 40) +
+                        ": is not read; vertex colors are those of COLOR_0");
+    }
   }
 
   Influences readInfluences(const tinygltf::Primitive& primitive, std::size_t count,
@@ -301,6 +318,13 @@ class PrimitiveReader {
   bool flip_ = false;
 };
 
+// Where the node's mesh stands, in its node's space.
+const std::vector<glm::dmat4>& placesOf(const GltfModel& model, int node) {
+  static const std::vector<glm::dmat4> kOne{glm::dmat4(1)};
+  const auto found = model.instances.find(node);
+  return found == model.instances.end() ? kOne : found->second;
+}
+
 }  // namespace
 
 bool hasTriangles(const tinygltf::Primitive& primitive) {
@@ -314,11 +338,13 @@ void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world,
   const int mesh_index = model.node(node).mesh;
   if (mesh_index < 0) return;
   const tinygltf::Mesh& mesh = model.data.meshes[static_cast<std::size_t>(mesh_index)];
-  PrimitiveReader reader(model, node, from_world, skins);
-  for (std::size_t p = 0; p < mesh.primitives.size(); ++p)
-    reader.read(mesh.primitives[p],
-                placeOf("meshes", static_cast<std::size_t>(mesh_index)) + "." + placeOf("primitives", p),
-                materials, soup);
+  for (const glm::dmat4& instance : placesOf(model, node)) {
+    PrimitiveReader reader(model, node, instance, from_world, skins);
+    for (std::size_t p = 0; p < mesh.primitives.size(); ++p)
+      reader.read(mesh.primitives[p],
+                  placeOf("meshes", static_cast<std::size_t>(mesh_index)) + "." + placeOf("primitives", p),
+                  materials, soup);
+  }
 }
 
 std::optional<glm::dvec3> middleOf(const GltfModel& model, const std::vector<int>& nodes) {
@@ -327,9 +353,12 @@ std::optional<glm::dvec3> middleOf(const GltfModel& model, const std::vector<int
   for (int node : nodes) {
     const int mesh = model.node(node).mesh;
     if (mesh < 0) continue;
-    const PrimitiveReader reader(model, node, glm::dmat4(1));
-    for (const tinygltf::Primitive& primitive : model.data.meshes[static_cast<std::size_t>(mesh)].primitives)
-      reader.enclose(primitive, placeOf("meshes", static_cast<std::size_t>(mesh)), low, high);
+    for (const glm::dmat4& instance : placesOf(model, node)) {
+      const PrimitiveReader reader(model, node, instance, glm::dmat4(1));
+      for (const tinygltf::Primitive& primitive :
+           model.data.meshes[static_cast<std::size_t>(mesh)].primitives)
+        reader.enclose(primitive, placeOf("meshes", static_cast<std::size_t>(mesh)), low, high);
+    }
   }
   return floatMiddle(low, high);
 }
@@ -346,9 +375,11 @@ void explainEmptiness(const GltfModel& model) {
   const std::string last = model.notices->empty() ? "" : " (" + model.notices->back() + ")";
   if (!model.cut_out.empty())
     refuse(Exit::kUnsupported, model.files->input(), "scene",
-           "shows nothing: the alpha of " + *model.cut_out.begin() +
+           "shows nothing: the alpha of " + model.cut_out.begin()->first +
                (model.cut_out.size() > 1 ? " and others" : "") +
-               " is below the cutoff of alphaMode MASK everywhere; raise the alpha, or lower alphaCutoff");
+               (model.cut_out.begin()->second
+                    ? " is 0 everywhere; raise the alpha"
+                    : " is below the cutoff of alphaMode MASK everywhere; raise the alpha, or lower alphaCutoff"));
   if (triangles)
     model.refuse("scene", "holds no triangles" + last + "; export a scene with at least one mesh");
   if (meshes)

@@ -31,7 +31,7 @@ std::string without(const std::string& text, std::string_view part) {
 }
 
 // Extensions that this importer reads, or that change only what kelp does not bake.
-constexpr std::array<std::string_view, 23> kKnownExtensions = {
+constexpr std::array<std::string_view, 25> kKnownExtensions = {
     "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",
     "KHR_mesh_quantization",
@@ -41,6 +41,8 @@ constexpr std::array<std::string_view, 23> kKnownExtensions = {
     "KHR_lights_punctual",
     "KHR_materials_diffuse_transmission",
     "EXT_mesh_manifold",
+    "EXT_mesh_gpu_instancing",
+    "KHR_node_visibility",
     "KHR_materials_unlit",
     "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
@@ -85,7 +87,9 @@ void checkVersion(const GltfModel& model) {
 void checkExtensions(const GltfModel& model) {
   constexpr std::size_t kShown = 8;
   const auto isKnown = [](const std::string& name) {
-    return name == kPointers || std::ranges::find(kKnownExtensions, name) != kKnownExtensions.end();
+    // Those of VRM say how an avatar is lit, looks and swings.
+    return name == kPointers || name.starts_with("VRM") ||
+           std::ranges::find(kKnownExtensions, name) != kKnownExtensions.end();
   };
   for (const std::string& name : model.data.extensionsRequired)
     if (!isKnown(name))
@@ -102,9 +106,7 @@ void checkExtensions(const GltfModel& model) {
   std::string list;
   std::size_t shown = 0;
   for (const std::string& name : names)
-    if (shown++ < kShown)
-      list += (list.empty() ? "" : ", ") + oneLine(name, 40) +
-              (name == "EXT_mesh_gpu_instancing" ? " (each mesh is baked once)" : "");
+    if (shown++ < kShown) list += (list.empty() ? "" : ", ") + oneLine(name, 40);
   if (names.size() > kShown) list += " and " + std::to_string(names.size() - kShown) + " more";
   model.note("extensions that kelp does not know are ignored: " + list +
              "; if they place, hide or shape meshes, export without them");
@@ -183,7 +185,49 @@ std::vector<int> sceneRoots(const GltfModel& model) {
   return roots;
 }
 
+// Breadth first, without recursion. Every node has one parent, so a node that is reached twice closes a cycle
+// or stands twice in the scene.
+void orderNodes(GltfModel& model) {
+  std::vector<bool> seen(model.data.nodes.size(), false);
+  for (int root : sceneRoots(model)) model.order.push_back(root);
+  for (std::size_t at = 0; at < model.order.size(); ++at) {
+    const auto node = static_cast<std::size_t>(model.order[at]);
+    if (seen[node])
+      model.refuse(placeOf("nodes", node), "is reached twice; nodes must form trees without cycles");
+    seen[node] = true;
+    for (int child : model.data.nodes[node].children) model.order.push_back(child);
+  }
+  model.placed = model.order;
+  std::set<int> skins;
+  for (const int node : model.order) {
+    const int skin = model.node(node).skin;
+    if (skin < 0 || !skins.insert(skin).second) continue;
+    for (const int joint : model.data.skins[static_cast<std::size_t>(skin)].joints) {
+      std::vector<int> way;  // upwards
+      int at = joint;
+      for (; at >= 0 && at < static_cast<int>(seen.size()) && !seen[static_cast<std::size_t>(at)];
+           at = model.parents[static_cast<std::size_t>(at)]) {
+        seen[static_cast<std::size_t>(at)] = true;
+        way.push_back(at);
+      }
+      if (std::ranges::find(way, at) != way.end())
+        model.refuse(placeOf("nodes", static_cast<std::size_t>(at)),
+                     "is below itself; nodes must form trees");
+      model.placed.insert(model.placed.end(), way.rbegin(), way.rend());
+    }
+  }
+}
+
 }  // namespace
+
+void placeNodes(GltfModel& model) {
+  for (const int node : model.placed) {
+    const auto at = static_cast<std::size_t>(node);
+    const int parent = model.parents[at];
+    const glm::dmat4 local = localMatrix(model.data.nodes[at]);
+    model.world[at] = parent >= 0 ? model.world[static_cast<std::size_t>(parent)] * local : local;
+  }
+}
 
 glm::dmat4 GltfTransform::matrix() const {
   return glm::translate(glm::dmat4(1), translation) * glm::mat4_cast(rotation) *
@@ -283,21 +327,10 @@ GltfModel readGltf(const InputFiles& files, DataBudget& budget, const std::optio
       parent = static_cast<int>(i);
     }
   }
-  // Breadth first, without recursion. Every node has one parent, so a node that is reached twice closes a
-  // cycle or stands twice in the scene.
+  orderNodes(model);
   model.world.assign(count, glm::dmat4(1));
-  std::vector<bool> seen(count, false);
-  for (int root : sceneRoots(model)) model.order.push_back(root);
-  for (std::size_t at = 0; at < model.order.size(); ++at) {
-    const auto node = static_cast<std::size_t>(model.order[at]);
-    if (seen[node])
-      model.refuse(placeOf("nodes", node), "is reached twice; nodes must form trees without cycles");
-    seen[node] = true;
-    const int parent = model.parents[node];
-    const glm::dmat4 local = localMatrix(model.data.nodes[node]);
-    model.world[node] = parent >= 0 ? model.world[static_cast<std::size_t>(parent)] * local : local;
-    for (int child : model.data.nodes[node].children) model.order.push_back(child);
-  }
+  placeNodes(model);
+  readNodeExtensions(model);
   return model;
 }
 

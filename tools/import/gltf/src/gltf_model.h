@@ -45,10 +45,14 @@ struct GltfModel {
   std::vector<GltfDocument::Source> images;
   // for accessors that Draco rounded: the distance between two neighboring values
   std::map<int, float> draco_steps;
-  int scene = -1;                 // the scene to bake; -1: the file has none, and every node counts
-  std::vector<int> parents;       // of each node, -1: a root
-  std::vector<int> order;         // the nodes of the scene, parents before children
-  std::vector<glm::dmat4> world;  // of each node at rest
+  int scene = -1;            // the scene to bake; -1: the file has none, and every node counts
+  std::vector<int> parents;  // of each node, -1: a root
+  std::vector<int> order;    // the nodes of the scene, parents before children
+  // `order`, then the joints of its skins that no scene lists, with all nodes above them
+  std::vector<int> placed;
+  std::vector<glm::dmat4> world;  // of each placed node at rest
+  // of nodes whose mesh stands in several places (EXT_mesh_gpu_instancing): node <- mesh
+  std::map<int, std::vector<glm::dmat4>> instances;
   std::vector<std::string>* notices = nullptr;
   std::uint64_t max_memory = 0;  // ImportSettings::max_memory
   DataBudget* budget = nullptr;  // for data that is copied out of the document
@@ -58,8 +62,8 @@ struct GltfModel {
   [[noreturn]] void refuse(const std::string& place, std::string_view what) const {
     bake::refuse(Exit::kInvalid, files->input(), place, what);
   }
-  // the primitives, of those read so far, of which alphaMode MASK leaves nothing
-  mutable std::set<std::string> cut_out;
+  // the primitives, of those read so far, of which their alpha leaves nothing
+  mutable std::map<std::string, bool> cut_out;  // true: blended, with an alpha of 0
 
   void note(const std::string& text) const { notices->push_back(oneLine(text, 500)); }
   // A notice that several nodes, textures or materials would repeat.
@@ -88,6 +92,11 @@ void unpackDraco(GltfModel& model);
 // The rest transform of a node. `exact` becomes false for a matrix that is not a product of T, R and S.
 GltfTransform restTransform(const tinygltf::Node& node, bool* exact = nullptr);
 glm::dmat4 localMatrix(const tinygltf::Node& node);
+// Computes the world matrices of all placed nodes.
+void placeNodes(GltfModel& model);
+// EXT_mesh_gpu_instancing and KHR_node_visibility (instances.cpp): fills GltfModel::instances, and takes the
+// meshes of hidden nodes away.
+void readNodeExtensions(GltfModel& model);
 
 // --- accessor.cpp: values are copied out, ranges are checked, sparse values applied --------------
 struct GltfValues {
@@ -122,6 +131,7 @@ struct GltfMaterialUse {
   bool keep_alpha = false;  // the alpha of COLOR_0 counts
   // triangles whose corners all have a lower alpha are left out; corners without COLOR_0 have 1
   float least_alpha = 0;
+  bool blends = false;  // alphaMode is BLEND
 };
 // Fills out.materials (those of the file, then the default one) and out.images.
 std::vector<GltfMaterialUse> readMaterials(const GltfModel& model, SourceModel& out);
@@ -130,8 +140,8 @@ std::vector<GltfMaterialUse> readMaterials(const GltfModel& model, SourceModel& 
 class SoupBuilder;
 class GltfSkins;
 bool hasTriangles(const tinygltf::Primitive& primitive);
-// Adds the triangles of a node's mesh. `from_world` takes the world to the soup's space. With `skins`, in the
-// bind pose, with what moves their corners.
+// Adds the triangles of a node's mesh, in each of its places. `from_world` takes the world to the soup's
+// space. With `skins`, in the bind pose, with what moves their corners.
 void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world,
              const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup, GltfSkins* skins = nullptr);
 

@@ -230,8 +230,7 @@ int skinAnchor(const GltfModel& model, int skin) {
     int node = joint;
     while (node >= 0 && static_cast<std::size_t>(node) < count) {
       const auto at = static_cast<std::size_t>(node);
-      if (seen[at] == way) return -1;  // a cycle outside of the scene
-      if (seen[at] > 0) break;         // from here on the way is known
+      if (seen[at] > 0) break;  // from here on the way is known
       seen[at] = way;
       if (way == 1) {
         place[at] = static_cast<int>(above.size());

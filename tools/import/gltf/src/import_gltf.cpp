@@ -8,6 +8,7 @@
 #include <new>
 #include <set>
 
+#include "culled.h"
 #include "gltf_parts.h"
 #include "kelp/common/error.h"
 #include "kelp/import/core/files_used.h"
@@ -137,6 +138,7 @@ class GltfImporter {
       if (outer_) part.rig.skin = outer_->rig.skin;
       part.skin = skins.take(space, animations_, used_);
       out_.parts.push_back(std::move(part));
+      if (!settings_.keep_culled) removeCulled(out_);
       return;
     }
   }
@@ -158,8 +160,18 @@ class GltfImporter {
         out_.parts.push_back(*std::move(part));
       }
     }
+    if (!settings_.keep_culled) removeCulled(out_);
+    for (SourcePart& part : out_.parts)
+      if (part.soup.triangles.empty()) makeEmpty(part);
     dropLoneParts();
     hangEmptyParts();
+  }
+
+  // A unit cube around the place that the part moves about.
+  static void makeEmpty(SourcePart& part) {
+    part.grid.emplace();
+    part.grid->size = glm::ivec3(1);
+    part.grid->to_node[3] = glm::vec3(-0.5f);
   }
 
   std::optional<SourcePart> makePart(const PartPlan& plan) {
@@ -192,9 +204,7 @@ class GltfImporter {
     if (part.soup.triangles.empty()) {
       if (plan.rig || !plan.knots.empty()) model_.note(noTriangles(plan));
       if (!plan.rigid || plan.mover < 0) return std::nullopt;
-      part.grid.emplace();  // a unit cube around the place that it moves about
-      part.grid->size = glm::ivec3(1);
-      part.grid->to_node[3] = glm::vec3(-0.5f);
+      makeEmpty(part);
     }
     part.to_object = toAffine(space);
     const int mover = giveMotion(plan, part);

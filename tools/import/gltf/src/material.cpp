@@ -65,6 +65,11 @@ class MaterialReader {
     if (corners) {
       material.alpha_cutoff = cutoff;
       use.least_alpha = cutoff / std::max(1e-6f, base.factor.a * (picture ? mostAlpha(material.texture) : 1));
+    } else if (alpha == Alpha::kKeep) {
+      constexpr float kVisible = 0.5f / 255;
+      use.blends = true;
+      use.least_alpha =
+          kVisible / std::max(1e-6f, material.base_color.a * (picture ? mostAlpha(material.texture) : 1));
     } else if (alpha == Alpha::kMask) {
       const bool seen = picture ? mostAlpha(material.texture) > 0 : base.factor.a >= cutoff;
       if (!seen)
@@ -74,7 +79,7 @@ class MaterialReader {
             place +
             ": its alphaMode is MASK, but its texture has no alpha below the cutoff: nothing is cut out");
     }
-    if (letsLightThrough(source, alpha, material))
+    if (use.least_alpha <= 1 && letsLightThrough(source, alpha, material))
       model_.noteOnce(place + (material.name.empty() ? "" : " '" + material.name + "'") +
                       ": is transparent; it is baked opaque");
     if (!unlit) material.metal_map = readMap(base.metal_texture, Alpha::kIgnore, 0, false, place, use);

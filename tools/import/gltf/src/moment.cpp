@@ -43,16 +43,6 @@ void takeApart(const GltfModel& model, int index, tinygltf::Node& node) {
   node.scale = {rest.scale.x, rest.scale.y, rest.scale.z};
 }
 
-// Computes the world matrices of all nodes of the scene again.
-void placeNodes(GltfModel& model) {
-  for (int node : model.order) {
-    const auto at = static_cast<std::size_t>(node);
-    const int parent = model.parents[at];
-    const glm::dmat4 local = localMatrix(model.data.nodes[at]);
-    model.world[at] = parent >= 0 ? model.world[static_cast<std::size_t>(parent)] * local : local;
-  }
-}
-
 }  // namespace
 
 void poseAt(GltfModel& model, const std::vector<GltfAnimation>& animations, const Moment& moment) {

@@ -162,7 +162,7 @@ void GltfSkins::addSkinned(int node) {
   if (fresh) {
     const std::vector<int>& joints = model_.data.skins[static_cast<std::size_t>(skin)].joints;
     const std::vector<glm::dmat4> inverse = inverseBindMatrices(model_, skin);
-    for (const int candidate : model_.order) {
+    for (const int candidate : model_.placed) {
       const auto found = std::find(joints.begin(), joints.end(), candidate);
       if (found == joints.end()) continue;
       mesh.place = model_.world[static_cast<std::size_t>(candidate)] *
@@ -199,8 +199,8 @@ GltfSkins::Mesh GltfSkins::rigid(int node) {
 // Sorts the joints, parents first.
 void GltfSkins::sortJoints() {
   std::vector<std::size_t> rank(model_.data.nodes.size(), 0);
-  for (std::size_t i = 0; i < model_.order.size(); ++i)
-    rank[static_cast<std::size_t>(model_.order[i])] = i + 1;
+  for (std::size_t i = 0; i < model_.placed.size(); ++i)
+    rank[static_cast<std::size_t>(model_.placed[i])] = i + 1;
   std::vector<std::uint32_t> order(nodes_.size()), place(nodes_.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -224,10 +224,7 @@ void GltfSkins::sortJoints() {
     for (std::uint32_t& joint : mesh.joints) joint = place[joint];
   for (std::size_t i = 0; i < sockets_.size(); ++i) skin_.sockets[i].joint = place[sockets_[i].joints[0]];
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
-    // Outside of the scene, nodes may be below themselves.
-    std::size_t steps = 0;
-    for (int above = nodes_[i] < 0 ? -1 : parentOf(nodes_[i]); above >= 0 && steps < model_.data.nodes.size();
-         above = parentOf(above), ++steps) {
+    for (int above = nodes_[i] < 0 ? -1 : parentOf(nodes_[i]); above >= 0; above = parentOf(above)) {
       const auto found = of_node_.find(above);
       if (found == of_node_.end()) continue;
       if (found->second < i) skin_.joints[i].parent = static_cast<int>(found->second);
@@ -304,7 +301,7 @@ void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>&
   if (!(clip.duration > 0)) clip.duration = 1;  // a pose of one key lasts a second
   clip.times = sampleTimes(channels);
   const std::string place = "animation '" + name + "'";
-  model_.countRead(clip.times.size() * (model_.order.size() + channels.size()), place);
+  model_.countRead(clip.times.size() * (model_.placed.size() + channels.size()), place);
   model_.budget->take(clip.times.size() * nodes_.size() * sizeof(glm::dmat4x3), place);
 
   std::vector<GltfTransform> rest;
@@ -316,7 +313,7 @@ void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>&
     std::vector<GltfTransform> posed = rest;
     for (const GltfChannel* channel : channels)
       apply(*channel, static_cast<double>(time), posed[static_cast<std::size_t>(channel->node)]);
-    for (const int node : model_.order) {
+    for (const int node : model_.placed) {
       const auto at = static_cast<std::size_t>(node);
       const glm::dmat4 local = animated[at] ? posed[at].matrix() : localMatrix(model_.node(node));
       world[at] = parentOf(node) < 0 ? local : world[static_cast<std::size_t>(parentOf(node))] * local;

@@ -144,6 +144,10 @@ void addModelOptions(Adder& add, bake::Settings& settings, Options& options) {
              "with a mesh, with its animations as clips, or for every .vox object",
              choice(settings.parts, "unknown; use one or nodes",
                     {{"one", bake::Parts::kOne}, {"nodes", bake::Parts::kNodes}}));
+  add.flag("--keep-culled",
+           "glTF: bake closed surfaces of one side too that are turned inside out around the rest, as "
+           "outlines for toon shading and skies",
+           settings.keep_culled);
   add.option("--at", "CLIP:SECONDS",
              "glTF: bake nodes, skins and morph targets at a moment of an animation, e.g. Walk:0.3",
              moment(settings.at));

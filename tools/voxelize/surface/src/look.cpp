@@ -44,9 +44,46 @@ SurfaceLook::SurfaceLook(const SourceModel& model, const TriangleSoup& soup, con
       if (!textures_[index]) textures_[index].emplace(model.images[index]);
     }
   }
-  cuts_out_ = std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const SolidTriangle& t) {
-    return t.source != kCap && !mesh.components[t.component].solid && materialOf(t).alpha_cutoff > 0;
+  cuts_out_ = anyCutOut();
+}
+
+bool SurfaceLook::anyCutOut() const {
+  return std::any_of(mesh_.triangles.begin(), mesh_.triangles.end(), [&](const SolidTriangle& t) {
+    return t.source != kCap && !mesh_.components[t.component].solid && materialOf(t).alpha_cutoff > 0;
   });
+}
+
+void SurfaceLook::openCutOuts(Topology& mesh) {
+  const std::vector<double> cut = cutAreas();
+  for (std::size_t i = 0; i < cut.size(); ++i) mesh.components[i].cut_area = cut[i];
+  kelp::bake::openCutOuts(mesh);
+  cuts_out_ = anyCutOut();
+}
+
+std::vector<double> SurfaceLook::cutAreas() const {
+  constexpr double kMostSteps = 32;  // along a side; a large triangle's picture is known well enough by then
+  std::vector<double> areas(mesh_.components.size(), 0);
+  for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+    const SolidTriangle& solid = mesh_.triangles[i];
+    if (solid.source == kCap || !(materialOf(solid).alpha_cutoff > 0)) continue;
+    const double area = glm::length(mesh_.areaVector(solid));
+    // The middles of steps^2 equal triangles.
+    const int steps = static_cast<int>(std::clamp(std::ceil(std::sqrt(2 * area)), 1.0, kMostSteps));
+    int cut = 0;
+    for (int row = 0; row < steps; ++row)
+      for (int k = 0; k < 2 * row + 1; ++k) {
+        // Upright ones and, between them, those that stand on their heads.
+        const double third = k % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
+        Nearest at;
+        at.triangle = i;
+        at.weights.x = 1 - (row + (k % 2 == 0 ? 2.0 / 3 : 1.0 / 3)) / steps;
+        at.weights.y = (k / 2 + third) / steps;
+        at.weights.z = 1 - at.weights.x - at.weights.y;
+        if (colorAt(at, kWhole).a < materialOf(solid).alpha_cutoff) ++cut;
+      }
+    areas[solid.component] += area * cut / (static_cast<double>(steps) * steps);
+  }
+  return areas;
 }
 
 Material SurfaceLook::materialAt(const Nearest& nearest) const {

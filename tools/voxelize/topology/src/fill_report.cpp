@@ -69,6 +69,9 @@ std::string whyOf(const Component& c, Fill fill) {
   if (fill == Fill::kSurface) return "surface as asked";
   if (c.wall) return fill == Fill::kSolid ? "solid as asked" : "a wall modeled from both sides";
   if (enclosesNothing(c)) return "closed, but encloses nothing: its faces are there from both sides";
+  if (c.closed && !c.solid)
+    return fmt::format("closed, but {} % of its surface is cut out",
+                       printPercent(percent(c.cut_area, c.area)));
   if (c.closed) return "closed";
   if (c.solid)
     return fmt::format("{}{} closed by fans ({} % of its surface)",
@@ -129,7 +132,7 @@ FillCounts countFill(const Topology& mesh, std::uint64_t triangles) {
 }
 
 std::string summarizeFill(const Topology& mesh, Fill fill) {
-  std::size_t closed = 0, capped = 0, sheets = 0, walls = 0, hollow = 0;
+  std::size_t closed = 0, capped = 0, sheets = 0, walls = 0, hollow = 0, cut = 0;
   std::uint64_t holes = 0;
   double area = 0, cap_area = 0, least = 1e30, most = 0;
   for (const Component& c : mesh.components) {
@@ -139,7 +142,9 @@ std::string summarizeFill(const Topology& mesh, Fill fill) {
     }
     closed += c.closed;
     hollow += enclosesNothing(c);
-    if (!c.solid) {
+    if (!c.solid && c.closed) {
+      ++cut;
+    } else if (!c.solid) {
       ++sheets;
       least = std::min(least, percent(c.cap_area, c.area));
       most = std::max(most, percent(c.cap_area, c.area));
@@ -155,10 +160,11 @@ std::string summarizeFill(const Topology& mesh, Fill fill) {
     return fmt::format("surface: as asked ({} of {} component{} closed)", closed, total,
                        total == 1 ? "" : "s");
   std::string text =
-      fmt::format("{}: {}{} of {} component{} closed", sheets == total ? "surface" : "solid",
+      fmt::format("{}: {}{} of {} component{} closed", sheets + cut == total ? "surface" : "solid",
                   fill == Fill::kSolid ? "as asked, " : "", closed, total, total == 1 ? "" : "s");
   if (hollow > 0)
     text += fmt::format(", {} enclose{} nothing (faces from both sides)", hollow, hollow == 1 ? "s" : "");
+  if (cut > 0) text += fmt::format(", {} with cut-outs kept as surface", cut);
   if (capped > 0)
     text += fmt::format(", {} with {} closed by fans ({} % of {} surface)", capped, countHoles(holes),
                         printPercent(percent(cap_area, area)), capped == 1 ? "its" : "their");

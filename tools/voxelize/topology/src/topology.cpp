@@ -186,4 +186,13 @@ Topology analyze(const TriangleSoup& soup, const Frame& frame, Fill fill, int th
   return mesh;
 }
 
+void openCutOuts(Topology& mesh) {
+  for (Component& c : mesh.components)
+    if (c.solid && c.closed && c.cut_area >= kMaxCutShare * c.area && c.cut_area > 0) {
+      c.solid = false;
+      c.thin = true;
+    }
+  mesh.summary = summarizeFill(mesh, Fill::kAuto);
+}
+
 }  // namespace kelp::bake

@@ -46,6 +46,8 @@ struct ImportSettings {
   // of a glTF file: its index, or else its name; absent: the file's default scene
   std::optional<std::string> scene;
   Parts parts = Parts::kOne;
+  // glTF: bake surfaces too that viewers cull all around, as outlines for toon shading
+  bool keep_culled = false;
   // bake nodes, skins and morph targets as they are at this moment; clips start from it
   std::optional<Moment> at;
   VolumeKind volume = VolumeKind::kAuto;

@@ -13,8 +13,7 @@
 
 namespace kelp::bake {
 
-// Keeps references to the arguments of its constructor, which must outlive it. Immutable; any thread may
-// query.
+// Keeps references to the arguments of its constructor, which must outlive it. Any thread may query it.
 class SurfaceLook {
  public:
   SurfaceLook(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh);
@@ -27,6 +26,10 @@ class SurfaceLook {
   std::uint32_t sourceAt(const Nearest& nearest) const {
     return soup_.triangles[mesh_.triangles[nearest.triangle].source].material;
   }
+
+  // Makes sheets of closed components of which enough is cut out (kMaxCutShare). `mesh` is the constructor's,
+  // analyzed with Fill::kAuto. Not while another thread queries.
+  void openCutOuts(Topology& mesh);
 
   // True if any sheet has cut-outs.
   bool cutsOut() const { return cuts_out_; }
@@ -41,6 +44,9 @@ class SurfaceLook {
   std::vector<std::string> notices() const;
 
  private:
+  // voxels^2 of each component whose alpha, averaged over a voxel, is below its material's cutoff.
+  std::vector<double> cutAreas() const;
+  bool anyCutOut() const;
   const SurfaceMaterial& materialOf(const SolidTriangle& solid) const {
     return model_.materials[soup_.triangles[solid.source].material];
   }

@@ -44,7 +44,8 @@ struct Component {
   std::uint32_t triangles = 0;  // without caps
   double area = 0;              // voxels^2, without caps
   double cap_area = 0;
-  double volume = 0;  // voxels^3, with caps; negative where the file wound it inside out
+  double volume = 0;    // voxels^3, with caps; negative where the file wound it inside out
+  double cut_area = 0;  // voxels^2 that its material cuts out; of closed ones alone
   EdgeCounts diagnosis;
 };
 
@@ -74,5 +75,13 @@ inline constexpr double kMaxHoleShare = 0.17;
 // signed crossings along any line sum to zero. kAuto: solid if the fans are small beside the surface.
 // kSolid, kSurface: all are.
 Topology analyze(const TriangleSoup& soup, const Frame& frame, Fill fill, int threads = 1);
+
+// A closed component of which this share of the surface is cut out is a sheet around something: hair, a hat,
+// armor.
+inline constexpr double kMaxCutShare = 0.1;
+
+// Makes sheets of solid, closed components whose cut_area, which the caller has set, is that large. After
+// analyze() with Fill::kAuto.
+void openCutOuts(Topology& mesh);
 
 }  // namespace kelp::bake
