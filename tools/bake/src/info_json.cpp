@@ -98,6 +98,7 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
                     : settings.fill == Fill::kSolid ? "solid"
                                                     : "surface";
   if (settings.parts == Parts::kNodes) options["parts"] = "nodes";
+  if (settings.keep_culled) options["keep_culled"] = true;
   if (settings.frame) options["frame"] = *settings.frame;
   if (settings.at) options["at"] = {{"clip", settings.at->clip}, {"seconds", settings.at->seconds}};
   if (settings.palette_file) options["palette"] = fileJson(used, *settings.palette_file);

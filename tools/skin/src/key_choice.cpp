@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "rigid.h"
 
 namespace kelp::bake {
 
@@ -58,6 +61,74 @@ double shareOf(const std::vector<float>& times, std::size_t i, std::size_t a, st
   if (a == b) return 0;
   return (static_cast<double>(times[i]) - static_cast<double>(times[a])) /
          (static_cast<double>(times[b]) - static_cast<double>(times[a]));
+}
+
+RigidMotion motionAbout(const std::vector<glm::dmat4x3>& local, const glm::dvec3& pivot) {
+  constexpr double kNothing = 1e-6;  // of a scale: a point has no rotation
+  RigidMotion motion;
+  for (const glm::dmat4x3& m : local) {
+    const double scale = keepsSize(m) ? 1 : scaleOf(m);
+    motion.scales.push_back(scale > kNothing ? scale : 0);
+    glm::dquat q = scale > kNothing       ? quaternionOf(linearOf(m))
+                   : motion.turns.empty() ? glm::dquat(1, 0, 0, 0)
+                                          : motion.turns.back();
+    if (motion.turns.empty() ? q.w < 0 : glm::dot(q, motion.turns.back()) < 0)
+      q = glm::dquat(-q.w, -q.x, -q.y, -q.z);
+    motion.turns.push_back(q);
+    motion.shifts.push_back(m * glm::dvec4(pivot, 1) - pivot);
+  }
+  return motion;
+}
+
+KeyChoice chooseTracks(const RigidMotion& motion, const std::vector<float>& times,
+                       const std::vector<glm::dvec3>& points, double tolerance, double of_turns) {
+  std::vector<glm::dmat3> matrices;
+  for (std::size_t i = 0; i < motion.turns.size(); ++i)
+    matrices.push_back(motion.scales[i] * rotationOf(motion.turns[i]));
+  const auto turnAt = [&](std::size_t i, std::size_t a, std::size_t b) {
+    return rotationOf(slerpShort(motion.turns[a], motion.turns[b], shareOf(times, i, a, b)));
+  };
+  const auto scaleAt = [&](std::size_t i, std::size_t a, std::size_t b) {
+    return motion.scales[a] + shareOf(times, i, a, b) * (motion.scales[b] - motion.scales[a]);
+  };
+  double reach = 0;
+  for (const glm::dvec3& point : points) reach = std::max(reach, glm::length(point));
+  KeyChoice choice;
+  choice.turns = chooseKeys(times.size(), of_turns, [&](std::size_t i, std::size_t a, std::size_t b) {
+    const glm::dmat3 off = motion.scales[i] * turnAt(i, a, b) - matrices[i];
+    double worst = 0;
+    for (const glm::dvec3& point : points) {
+      const glm::dvec3 moved = off * point;
+      worst = std::max(worst, glm::dot(moved, moved));
+    }
+    return std::sqrt(worst);
+  });
+  choice.scales = chooseKeys(times.size(), 0.5 * of_turns, [&](std::size_t i, std::size_t a, std::size_t b) {
+    return reach * std::abs(scaleAt(i, a, b) - motion.scales[i]);
+  });
+  // The keys around a time.
+  const auto around = [](const std::vector<std::size_t>& keys, std::size_t i, std::size_t& k) {
+    while (k + 1 < keys.size() && keys[k + 1] <= i) ++k;
+    return std::pair(keys[k], keys[std::min(k + 1, keys.size() - 1)]);
+  };
+  std::vector<glm::dmat3> offs;  // what the keys of rotation and scale leave
+  std::size_t turn = 0, scale = 0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto [a, b] = around(choice.turns, i, turn);
+    const auto [c, d] = around(choice.scales, i, scale);
+    offs.push_back(scaleAt(i, c, d) * turnAt(i, a, b) - matrices[i]);
+  }
+  choice.shifts = chooseKeys(times.size(), tolerance, [&](std::size_t i, std::size_t a, std::size_t b) {
+    const glm::dvec3 off =
+        motion.shifts[a] + shareOf(times, i, a, b) * (motion.shifts[b] - motion.shifts[a]) - motion.shifts[i];
+    double worst = 0;
+    for (const glm::dvec3& point : points) {
+      const glm::dvec3 moved = offs[i] * point + off;
+      worst = std::max(worst, glm::dot(moved, moved));
+    }
+    return std::sqrt(worst);
+  });
+  return choice;
 }
 
 }  // namespace kelp::bake

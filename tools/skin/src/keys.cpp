@@ -113,87 +113,6 @@ std::vector<glm::dvec3> outermost(const SkinSamples& samples, const std::vector<
   return points;
 }
 
-// The motion of a part within its pivot at all times.
-struct Motion {
-  std::vector<glm::dquat> turns;  // neighbors have one sign
-  std::vector<double> scales;
-  std::vector<glm::dvec3> shifts;
-};
-
-Motion motionAbout(const std::vector<glm::dmat4x3>& local, const glm::dvec3& pivot) {
-  constexpr double kNothing = 1e-6;  // of a scale: a point has no rotation
-  Motion motion;
-  for (const glm::dmat4x3& m : local) {
-    const double scale = keepsSize(m) ? 1 : scaleOf(m);
-    motion.scales.push_back(scale > kNothing ? scale : 0);
-    glm::dquat q = scale > kNothing       ? quaternionOf(linearOf(m))
-                   : motion.turns.empty() ? glm::dquat(1, 0, 0, 0)
-                                          : motion.turns.back();
-    if (motion.turns.empty() ? q.w < 0 : glm::dot(q, motion.turns.back()) < 0)
-      q = glm::dquat(-q.w, -q.x, -q.y, -q.z);
-    motion.turns.push_back(q);
-    motion.shifts.push_back(m * glm::dvec4(pivot, 1) - pivot);
-  }
-  return motion;
-}
-
-// The keys of a part; `tolerance` for all tracks together, `of_turns` of it for the rotations alone.
-struct KeyChoice {
-  std::vector<std::size_t> turns, scales, shifts;
-  std::size_t size() const { return turns.size() + scales.size() + shifts.size(); }
-};
-
-KeyChoice chooseTracks(const Motion& motion, const std::vector<float>& times,
-                       const std::vector<glm::dvec3>& points, double tolerance, double of_turns) {
-  std::vector<glm::dmat3> matrices;
-  for (std::size_t i = 0; i < motion.turns.size(); ++i)
-    matrices.push_back(motion.scales[i] * rotationOf(motion.turns[i]));
-  const auto turnAt = [&](std::size_t i, std::size_t a, std::size_t b) {
-    return rotationOf(slerpShort(motion.turns[a], motion.turns[b], shareOf(times, i, a, b)));
-  };
-  const auto scaleAt = [&](std::size_t i, std::size_t a, std::size_t b) {
-    return motion.scales[a] + shareOf(times, i, a, b) * (motion.scales[b] - motion.scales[a]);
-  };
-  double reach = 0;
-  for (const glm::dvec3& point : points) reach = std::max(reach, glm::length(point));
-  KeyChoice choice;
-  choice.turns = chooseKeys(times.size(), of_turns, [&](std::size_t i, std::size_t a, std::size_t b) {
-    const glm::dmat3 off = motion.scales[i] * turnAt(i, a, b) - matrices[i];
-    double worst = 0;
-    for (const glm::dvec3& point : points) {
-      const glm::dvec3 moved = off * point;
-      worst = std::max(worst, glm::dot(moved, moved));
-    }
-    return std::sqrt(worst);
-  });
-  choice.scales = chooseKeys(times.size(), 0.5 * of_turns, [&](std::size_t i, std::size_t a, std::size_t b) {
-    return reach * std::abs(scaleAt(i, a, b) - motion.scales[i]);
-  });
-  // The keys around a time.
-  const auto around = [](const std::vector<std::size_t>& keys, std::size_t i, std::size_t& k) {
-    while (k + 1 < keys.size() && keys[k + 1] <= i) ++k;
-    return std::pair(keys[k], keys[std::min(k + 1, keys.size() - 1)]);
-  };
-  std::vector<glm::dmat3> offs;  // what the keys of rotation and scale leave
-  std::size_t turn = 0, scale = 0;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    const auto [a, b] = around(choice.turns, i, turn);
-    const auto [c, d] = around(choice.scales, i, scale);
-    offs.push_back(scaleAt(i, c, d) * turnAt(i, a, b) - matrices[i]);
-  }
-  choice.shifts = chooseKeys(times.size(), tolerance, [&](std::size_t i, std::size_t a, std::size_t b) {
-    const glm::dvec3 off =
-        motion.shifts[a] + shareOf(times, i, a, b) * (motion.shifts[b] - motion.shifts[a]) - motion.shifts[i];
-    double worst = 0;
-    for (const glm::dvec3& point : points) {
-      const glm::dvec3 moved = offs[i] * point + off;
-      worst = std::max(worst, glm::dot(moved, moved));
-    }
-    return std::sqrt(worst);
-  });
-  return choice;
-}
-
 constexpr double kKeyRounding = 1.0 / 64;  // units
 
 // From the space of the samples, whose axes may be turned, to the soup's.
@@ -317,7 +236,7 @@ class PartKeys {
     std::vector<glm::dmat4x3> local;
     for (std::size_t t = 0; t < wanted.size(); ++t)
       local.push_back(compose(inverseRigid(parents[t]), wanted[t].motion));
-    const Motion motion = motionAbout(local, pivot_);
+    const RigidMotion motion = motionAbout(local, pivot_);
     // The outermost points stand for all, and the first section for a chain; where they do not quite, the
     // tolerance is less.
     for (double most = 0.98 * tolerance;; most *= 0.8) {
@@ -337,7 +256,7 @@ class PartKeys {
   }
 
  private:
-  RigDescription::Clip keysOf(const Motion& motion, double most) const {
+  RigDescription::Clip keysOf(const RigidMotion& motion, double most) const {
     KeyChoice choice;
     for (const double share : {0.8, 0.5, 0.25}) {
       KeyChoice other = chooseTracks(motion, clip_.times, points_, most, share * most);

@@ -379,7 +379,8 @@ void explainEmptiness(const GltfModel& model) {
                (model.cut_out.size() > 1 ? " and others" : "") +
                (model.cut_out.begin()->second
                     ? " is 0 everywhere; raise the alpha"
-                    : " is below the cutoff of alphaMode MASK everywhere; raise the alpha, or lower alphaCutoff"));
+                    : " is below the cutoff of alphaMode MASK everywhere; raise the alpha, or lower "
+                      "alphaCutoff"));
   if (triangles)
     model.refuse("scene", "holds no triangles" + last + "; export a scene with at least one mesh");
   if (meshes)
