@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Pictures of leaves on cards: what is transparent is not there, what is there keeps its color, bodies stay
 // whole.
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "import_scratch.h"
+#include "kelp/common/dense_index.h"
+#include "kelp/import/core/frame.h"
+#include "kelp/voxelize/voxelize.h"
 #include "shapes.h"
 
 namespace kelp::bake::test {
@@ -100,17 +105,62 @@ TEST(CutOut, WhatStandsBehindAHoleStays) {
   EXPECT_GE(blue, 64u * 63u);
 }
 
-TEST(CutOut, BodiesStayWholeAndSaySo) {
+// A box of 16 voxels of which so many of the twelve triangles are cut out.
+SourceModel cutBox(std::size_t cut) {
   TriangleSoup soup;
   kelp::test::addBox(soup, {0, 0, 0}, {16, 16, 16});
-  for (TriangleSoup::Triangle& t : soup.triangles) t.material = 1;
-  soup.uvs.assign(soup.triangles.size(), {glm::vec2(0), glm::vec2(0), glm::vec2(0)});
-  const Baked body = voxelizeUnit(cards(soup));
+  for (TriangleSoup::Triangle& t : soup.triangles) {
+    t.material = 1;
+    const glm::vec2 at(soup.uvs.size() < cut ? 0 : 0.5f);
+    soup.uvs.push_back({at, at, at});
+  }
+  return cards(soup);
+}
+
+TEST(CutOut, BodiesStayWholeAndSaySo) {
+  const Baked body = voxelizeUnit(cutBox(1));
   EXPECT_EQ(body.solid, 16u * 16u * 16u);
   EXPECT_TRUE(anyContains(body.result.notices, "'leaf' has cut-outs"));
-  const Baked sheets = voxelizeUnit(cards(soup), Fill::kSurface);
+  const Baked sheets = voxelizeUnit(cutBox(12), Fill::kSurface);
   EXPECT_EQ(sheets.solid, 0u);
   EXPECT_TRUE(sheets.result.notices.empty());
+}
+
+// From a tenth of its surface on, as --fill surface has it.
+TEST(CutOut, AShellIsASheet) {
+  for (const std::size_t cut : {2u, 5u}) {
+    const Baked shell = voxelizeUnit(cutBox(cut)), sheet = voxelizeUnit(cutBox(cut), Fill::kSurface);
+    EXPECT_EQ(shell.grid().solid, sheet.grid().solid) << cut;
+    EXPECT_LT(shell.solid, 16u * 16u * 16u / 2) << cut;
+    EXPECT_TRUE(shell.result.notices.empty()) << cut;
+    EXPECT_EQ(voxelizeUnit(cutBox(cut), Fill::kSolid).solid, 16u * 16u * 16u) << cut;
+  }
+}
+
+// A public bug report: a green hat with holes around a red box. From outside it looks as --fill surface does.
+TEST(CutOut, ABodyShowsBelowAHat) {
+  const SourceModel model = importFile(std::filesystem::path(KELP_HUNT) / "hat_mask.glb", {});
+  const SourcePart& part = model.parts.at(0);
+  const Frame frame = makeFrame(part.soup, Axis::kPlusY, 2.12 / 96, "hat");
+  // What is seen along +x, row by row: -1: nothing, 0: green, 1: red.
+  const auto seen = [&](Fill fill) {
+    const VoxelGrid grid = voxelize(model, part, frame, fill, 1, {}).grid;
+    std::map<std::uint64_t, bool> red;
+    for (const SurfaceSample& sample : grid.surface)
+      red[sample.index] = sample.material.base_color.r > sample.material.base_color.g;
+    std::vector<int> rows;
+    for (int z = 0; z < grid.size.z; ++z)
+      for (int y = 0; y < grid.size.y; ++y) {
+        int x = 0;
+        while (x < grid.size.x && !grid.solid[denseIndex(grid.size, x, y, z)]) ++x;
+        rows.push_back(x == grid.size.x ? -1 : red.at(denseIndex(grid.size, x, y, z)));
+      }
+    return rows;
+  };
+  const std::vector<int> rows = seen(Fill::kAuto);
+  EXPECT_EQ(rows, seen(Fill::kSurface));
+  EXPECT_GT(std::ranges::count(rows, 1), 1000);
+  EXPECT_GT(std::ranges::count(rows, 0), 1000);
 }
 
 TEST(CutOut, ThreadsDoNotMatter) {

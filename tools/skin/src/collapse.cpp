@@ -61,7 +61,7 @@ std::vector<glm::dmat4x3> fitMotions(const SkinSamples& samples, const SkinMomen
     glm::dmat3 turn = nearestRotation(h);
     double scaled = 0;
     for (std::size_t j = 0; j < joints.size(); ++j)
-      if (!keepsSize(moments.motion(t, joints[j]))) scaled += sums[j][3][3];
+      if (moments.scaling[joints[j]] && !keepsSize(moments.motion(t, joints[j]))) scaled += sums[j][3][3];
     if (scaled >= kScaledShare * area && spread > 0) {
       // The scale that is best with this turn (Umeyama 1991).
       double along = 0;

@@ -29,6 +29,11 @@ glm::dmat4x3 sampleAt(const SourceSkin& skin, const SourceSkin::Clip& clip, doub
   return from + share * (clip.motions[b * count + joint] - from);
 }
 
+void markScaling(const SourceSkin::Clip& clip, std::vector<bool>& scaling) {
+  for (std::size_t i = 0; i < clip.motions.size(); ++i)
+    if (!keepsSize(clip.motions[i])) scaling[i % scaling.size()] = true;
+}
+
 // A few samples of each joint, by which moments are compared: those that are farthest along the axes.
 std::vector<std::size_t> witnesses(const SkinSamples& samples, std::size_t joints) {
   std::vector<std::array<std::size_t, 6>> ends(joints);
@@ -53,9 +58,7 @@ std::vector<std::size_t> witnesses(const SkinSamples& samples, std::size_t joint
 
 std::vector<bool> scalingJoints(const SourceSkin& skin) {
   std::vector<bool> scaling(skin.joints.size(), false);
-  for (const SourceSkin::Clip& clip : skin.clips)
-    for (std::size_t i = 0; i < clip.motions.size(); ++i)
-      if (!keepsSize(clip.motions[i])) scaling[i % scaling.size()] = true;
+  for (const SourceSkin::Clip& clip : skin.clips) markScaling(clip, scaling);
   return scaling;
 }
 
@@ -72,6 +75,8 @@ SkinMoments momentsAt(const SourceSkin& skin, std::uint32_t clip, const std::vec
   moments.clips.assign(times.size(), clip);
   moments.motions.resize(times.size() * moments.joints);
   moments.rotations.resize(moments.motions.size());
+  moments.scaling.assign(moments.joints, false);
+  markScaling(skin.clips[clip], moments.scaling);
   parallelRanges(moments.motions.size(), 256, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const glm::dmat4x3 motion =
@@ -87,6 +92,7 @@ SkinMoments judgedMoments(const SourceSkin& skin, const SkinSamples& samples, co
                           int threads) {
   SkinMoments out;
   out.joints = skin.joints.size();
+  out.scaling = scalingJoints(skin);
   if (skin.clips.empty()) return out;
   // Of more clips than fit, some evenly.
   const std::size_t step = (skin.clips.size() + kMostMoments - 1) / kMostMoments;

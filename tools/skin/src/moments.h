@@ -18,6 +18,8 @@ struct SkinMoments {
   std::vector<glm::dmat4x3> motions;  // of moment t and joint j at [t * joints + j]: posed <- bind pose
   std::vector<glm::dmat3> rotations;  // the rotations nearest to them
   std::vector<std::uint32_t> clips;   // of each moment
+  // Of each joint: true if these clips scale it. Between samples a turning joint shrinks a little, too.
+  std::vector<bool> scaling;
 
   std::size_t size() const { return clips.size(); }
   const glm::dmat4x3& motion(std::size_t moment, std::uint32_t joint) const {

@@ -192,11 +192,13 @@ class PrimitiveReader {
       for (std::size_t i = 1; i + 1 < indices.size(); ++i) emit(indices[i], indices[i + 1], indices[0]);
     }
     if (cut > 0 && kept == 0 && model_.cut_out.emplace(place, use.blends).second)
-      model_.noteOnce(place + ": its alpha is " + (use.blends ? "0" : "below the cutoff of alphaMode MASK") +
-                      " everywhere: it is invisible, and left out");
+      model_.noteOnce(
+          place +
+          (use.blends ? ": its alpha is 0" : ": its alphaMode is MASK, and its alpha is below the cutoff") +
+          " everywhere: it is left out");
     else if (cut > 0 && use.blends)
-      model_.noteOnce(fmt::format(
-          "{}: the alpha of {} of its triangles is 0: they are invisible, and left out", place, cut));
+      model_.noteOnce(
+          fmt::format("{}: the alpha of {} of its triangles is 0: they are left out", place, cut));
   }
 
   // Extends a box by the positions of the primitives that read() turns into triangles.
