@@ -390,7 +390,7 @@ TEST(ImportMesh, NoticesHaveAnEnd) {
   const Scratch scratch;
   std::string materials, uses;
   for (int i = 0; i < 150; ++i) {
-    materials += "newmtl m" + std::to_string(i) + "\nmap_d a.png\n";
+    materials += "newmtl m" + std::to_string(i) + "\nd 0.5\n";
     uses += "usemtl m" + std::to_string(i) + "\nf 1 2 3\n";
   }
   scratch.write("a.mtl", materials);
@@ -399,7 +399,7 @@ TEST(ImportMesh, NoticesHaveAnEnd) {
       scratch.write("a.obj",
                     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 2 3 4\nf 3 1 4\n" + uses),
       with([](Settings& settings) { settings.resolution = 8; }), report);
-  EXPECT_TRUE(anyContains(report.notices, "material 'm0': map_d is not read"));
+  EXPECT_TRUE(anyContains(report.notices, "material 'm0': is transparent"));
   EXPECT_TRUE(anyContains(report.notices, "more notices"));
   EXPECT_LT(report.notices.size(), 110u);
 }
@@ -454,114 +454,6 @@ TEST(ImportMesh, MarksAndKeywordsThatOtherToolsWrite) {
   EXPECT_EQ(importFile(scratch.write("a.stl", mark + facet), {}).parts[0].soup.triangles.size(), 1u);
   EXPECT_TRUE(
       contains(refusal(scratch.write("b.stl", "solid a\nendsolid a\n"), Exit::kInvalid), "no facets"));
-}
-
-TEST(ImportMesh, StlTextAndBinaryAgree) {
-  const Scratch scratch;
-  const SourceModel text =
-      importFile(scratch.write("a.stl",
-                               "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex "
-                               "0 1 0\nendloop\nendfacet\nendsolid a\n"),
-                 {});
-  EXPECT_EQ(text.parts[0].soup.triangles.size(), 1u);
-  std::string binary = "solid that is none" + std::string(62, ' ') + std::string("\x01\0\0\0", 4);
-  const std::vector<float> facet = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
-  binary += bytesOf(facet) + std::string(2, '\0');
-  EXPECT_EQ(importFile(scratch.write("b.stl", binary), {}).parts[0].soup.positions,
-            text.parts[0].soup.positions);
-  std::string loud =
-      "Solid A\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVertex 1 0 0\nVERTEX 0 1 "
-      "0\nENDLOOP\nENDFACET\nENDSOLID A\n";
-  for (int upper = 0; upper < 2; ++upper) {
-    const SourceModel model = importFile(scratch.write("loud.stl", loud), {});
-    EXPECT_EQ(model.format, "STL (text)");
-    EXPECT_EQ(model.parts[0].soup.positions, text.parts[0].soup.positions);
-    std::transform(loud.begin(), loud.end(), loud.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  }
-  std::string lying = binary;
-  std::memset(lying.data() + 80, 0xff, 4);
-  EXPECT_TRUE(contains(refusal(scratch.write("c.stl", lying), Exit::kInvalid), "4294967295"));
-  refusal(scratch.write("d.stl", binary.substr(0, 100)), Exit::kInvalid);
-  refusal(scratch.write("e.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"),
-          Exit::kInvalid);
-}
-
-// Any words may follow "solid" in a header, and any bytes the facets: the count decides.
-TEST(ImportMesh, StlWordsInABinaryFileMeanNothing) {
-  const Scratch scratch;
-  const auto file = [](const std::string& head, std::uint32_t count, const std::string& tail) {
-    std::string out = head + std::string(80 - head.size(), ' ') + bytesOf(std::vector<std::uint32_t>{count});
-    for (int i = 0; i < 3; ++i)
-      out += bytesOf(std::vector<float>{0, 0, 1, 0, 0, float(i), 1, 0, float(i), 0, 1, float(i)}) +
-             std::string(2, '\0');
-    return out + tail;
-  };
-  for (const char* head :
-       {"solid exported facet thing", "solid a\nfacet outer loop vertex\n", "solid a endsolid"}) {
-    for (const char* tail : {"xx", "\nfacet normal 0 0 0\nouter loop\nendsolid\n"}) {
-      const SourceModel model = importFile(scratch.write("a.stl", file(head, 3, tail)), {});
-      EXPECT_EQ(model.format, "STL (binary)");
-      EXPECT_EQ(model.parts[0].soup.triangles.size(), 3u) << head;
-    }
-    EXPECT_EQ(importFile(scratch.write("b.stl", file(head, 2, "")), {}).parts[0].soup.triangles.size(), 2u)
-        << head;
-    EXPECT_TRUE(contains(refusal(scratch.write("c.stl", file(head, 20, "")), Exit::kInvalid),
-                         "declares 20 facets but the file holds 3; "))
-        << head;
-  }
-  EXPECT_TRUE(contains(
-      refusal(scratch.write("d.stl", file("solid exported facet thing", 0xffffffffu, "\n")), Exit::kInvalid),
-      "declares 4294967295 facets"));
-  // A text needs no line ends.
-  EXPECT_EQ(importFile(scratch.write("e.stl",
-                                     "solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex "
-                                     "0 1 0 endloop endfacet endsolid a"),
-                       {})
-                .format,
-            "STL (text)");
-}
-
-// Words after the facets as the programs that write colors have them, and words that mean nothing.
-TEST(ImportMesh, StlColorsAreReadWherePlausible) {
-  const Scratch scratch;
-  const auto colors = [&](const std::string& head, const std::vector<std::uint16_t>& words) {
-    std::string file = head + std::string(80 - head.size(), ' ') +
-                       bytesOf(std::vector<std::uint32_t>{static_cast<std::uint32_t>(words.size())});
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      const float z = static_cast<float>(i);
-      file += bytesOf(std::vector<float>{0, 0, 1, 0, 0, z, 1, 0, z, 0, 1, z}) +
-              bytesOf(std::vector<std::uint16_t>{words[i]});
-    }
-    std::vector<glm::vec3> out;
-    const SourceModel model = importFile(scratch.write("a.stl", file), {});
-    for (const auto& corners : model.parts[0].soup.colors) {
-      EXPECT_EQ(corners[0], corners[1]);
-      EXPECT_EQ(corners[0], corners[2]);
-      out.emplace_back(corners[0]);
-    }
-    return out;
-  };
-  using Colors = std::vector<glm::vec3>;
-  constexpr std::uint16_t kHigh = 31 << 10, kMiddle = 31 << 5, kLow = 31, kFlag = 0x8000;
-  const glm::vec3 red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1), white(1), black(0);
-  // VisCAM and SolidView: red is high; the flag says that there is a color.
-  EXPECT_EQ(colors("b", {kFlag | kHigh, kFlag | kMiddle, kFlag | kLow, kFlag, 0}),
-            (Colors{red, green, blue, black, white}));
-  EXPECT_NEAR(colors("b", {kFlag | 16 << 10}).at(0).r, 0.2292, 1e-3);  // 16 of 31 as a display value
-  // Magics: red is low; the flag says that the color is the header's.
-  const std::string magics = std::string("COLOR=\xff\0\0\xff,MATERIAL=", 20);
-  EXPECT_EQ(colors(magics, {kHigh, kMiddle, kLow, kFlag | kMiddle, 0}),
-            (Colors{blue, green, red, red, black}));
-  EXPECT_EQ(colors(magics, {0, 0}), (Colors{red, red})) << "words that nobody has written";
-  EXPECT_EQ(colors(std::string(74, ' ') + "COLOR=", {0}), Colors{}) << "a header that ends too early";
-  // Counters and rests of memory.
-  EXPECT_EQ(colors("b", {0, 0, 0}), Colors{});
-  EXPECT_EQ(colors("b", {1, 2, 3, 4}), Colors{});
-  EXPECT_EQ(colors("b", {kFlag, 0, 0, 0}), Colors{}) << "one stray word";
-  EXPECT_EQ(colors("b", {kFlag | kHigh, kFlag | kLow, 0, 0}), (Colors{red, blue, white, white}))
-      << "half of them";
-  EXPECT_EQ(colors("b", {0x1234, 0x9abc, 0x5678, 0xdef0}), Colors{});
 }
 
 TEST(ImportMesh, CornersThatAreNotFiniteAreDroppedAndCounted) {

@@ -248,13 +248,12 @@ TEST(ImportPlace, PicturesOfMtlFilesLieWhereTheySay) {
 TEST(ImportPlace, WhatIsNotReadOfTexturesIsSaid) {
   const Scratch scratch;
   scratch.write("a.tga", std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\40\50", 18) + "\x10\x20\xff\xff");
-  scratch.write("a.mtl", "newmtl m\nmap_Kd -s 2 2 a.tga\nmap_Ke -s 3 3 a.tga\nmap_d a.tga\n");
+  scratch.write("a.mtl", "newmtl m\nmap_Kd -s 2 2 a.tga\nmap_Ke -s 3 3 a.tga\n");
   const SourceModel model = importFile(
       scratch.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n"),
       {});
   EXPECT_TRUE(
       anyContains(model.notices, "material 'm': -s and -o of map_Ke are not those of its first picture"));
-  EXPECT_TRUE(anyContains(model.notices, "material 'm': map_d is not read"));
   const SourceModel ply = importFile(
       scratch.write("a.ply",
                     "ply\nformat ascii 1.0\ncomment TextureFile skin.png\nelement vertex 3\nproperty float "

@@ -154,6 +154,18 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(
             self.bake(far, "-o", self.out, "--max-memory", "1G", "--parts", "nodes").returncode, 0)
 
+    def test_many_colors_of_one_material_are_colors(self):
+        lines = CUBE.splitlines()
+        painted = [line + line[1:].replace("2", "1") if line.startswith("v") else line for line in lines]
+        model = self.write("painted.obj", "\n".join(painted) + "\n")
+        result = self.bake(model, "-o", self.out, "--resolution", "32", "--report", self.path("report.json"))
+        text = result.stderr.decode()
+        self.assertEqual(result.returncode, 0, text)
+        self.assertIn("1 material,", text)
+        self.assertIn("more than 256 colors: the palette is off by", text)
+        report = json.loads(self.read(self.path("report.json")))
+        self.assertEqual((report["materials"], report["palette_entries"]), (1, 256))
+
     def test_same_input_same_bytes(self):
         model = self.write("lump.obj", wavy_obj(20))
         packs = []

@@ -288,6 +288,10 @@ def mesh_seeds(made):
     yield "pentagon.obj", (
         b"0v 0 0 0 1 0 0\nv 2 0 0 0 1 0\nv 2 2 0 0 0 1\nv 1 0.5 0 1 1 1\nv 0 2 0 0 0 0\n"
         b"f 1 2 3 4 \\\n 5\nl 1 2\np 3\n")
+    yield "painted.obj", (
+        b"0v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\n#MRGB ffff0000ff00ff00\n#MRGB ff0000ff 80123456\n"
+        b"f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nv 4 0 0 1 255 9 8\nmtllib m.mtl\nusemtl card\nf 2 3 5\n"
+        b"\x01newmtl card\nd 0\nmap_Kd C:\\a\\t.png\nmap_d ../t.png\n\x01" + png(2, 2))
     rows = ("".join("%d %d %d %d 128 255\n" % (*c, 30 * i) for i, c in enumerate(CORNERS))
             + "".join("4 %d %d %d %d\n" % quad for quad in QUADS))
     head = ("ply\nformat %s 1.0\ncomment made by kelp\nelement vertex 8\n"
@@ -299,6 +303,12 @@ def mesh_seeds(made):
         body = b"".join(struct.pack(mark + "3f3B", *c, 30 * i, 128, 255) for i, c in enumerate(CORNERS))
         body += b"".join(struct.pack(mark + "B4i", 4, *quad) for quad in QUADS)
         yield "cube_%s.ply" % name, b"1" + (head % ("binary_%s_endian" % name)).encode() + body
+    yield "floats.ply", (
+        b"1ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        b"property float r\nproperty float g\nproperty float b\nproperty ushort a\nelement face 1\n"
+        b"property list uchar int vertex_index\nproperty char diffuse_red\nproperty short diffuse_green\n"
+        b"property list uchar uchar color\nproperty double diffuse_blue\nend_header\n"
+        b"0 0 0 255 0 0 9\n1 0 0 0 128.5 0 65535\n0 1 0 nan inf 1e30 0\n3 0 1 2 -1 300 1 7 0.5\n")
     yield "strips.ply", (
         b"1ply\nformat ascii 1.0\nelement vertex 4\n"
         b"property double x\nproperty double y\nproperty double z\n"
@@ -308,6 +318,8 @@ def mesh_seeds(made):
     triangles = [[CORNERS[quad[i]] for i in three] for quad in QUADS for three in ((0, 1, 2), (0, 2, 3))]
     packed = b"".join(struct.pack("<12fH", 0, 0, 0, *(x for c in t for x in c), 0x9234) for t in triangles)
     yield "cube.stl", b"2" + b"made by kelp COLOR=".ljust(80) + struct.pack("<I", len(triangles)) + packed
+    for name, count in (("count_0", 0), ("count_low", 5), ("count_high", 0xffffffff)):
+        yield name + ".stl", b"2" + b"solid part".ljust(80) + struct.pack("<I", count) + packed[:400] + b"end"
     facets = "".join("facet normal 0 0 1\nouter loop\n" + "".join("vertex %d %d %d\n" % c for c in t)
                      + "endloop\nendfacet\n" for t in triangles[:4])
     yield "part_text.stl", b"2" + ("solid part\n" + facets + "endsolid part\n").encode()

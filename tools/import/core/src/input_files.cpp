@@ -297,8 +297,26 @@ std::filesystem::path InputFiles::resolve(std::string_view reference, Reference 
   return folder / normal;
 }
 
-std::vector<std::uint8_t> InputFiles::readReference(std::string_view reference, Reference kind) const {
-  return readFile(resolve(reference, kind));
+std::filesystem::path InputFiles::resolveOrBeside(std::string_view reference, Reference kind) const {
+  try {
+    return resolve(reference, kind);
+  } catch (const ToolError& error) {
+    const std::string text =
+        kind == Reference::kUri ? percentDecode(reference).value_or("") : std::string(reference);
+    const std::string name = text.substr(text.find_last_of("/\\") + 1);  // 0 if there is none
+    if (error.exit != Exit::kInvalid || name.size() == text.size()) throw;
+    try {
+      const std::filesystem::path beside = resolve(name, Reference::kPath);
+      if (isThere(beside)) return beside;
+    } catch (const ToolError& second) {
+      if (isOfTheMachine(second)) throw;
+    }
+    throw;
+  }
+}
+
+std::vector<std::uint8_t> InputFiles::readPicture(std::string_view reference, Reference kind) const {
+  return readFile(resolveOrBeside(reference, kind));
 }
 
 std::uint64_t memoryAllowed(const InputFiles& files, std::uint64_t max_memory, std::uint64_t usual,

@@ -80,7 +80,7 @@ Image GltfImages::decode(std::size_t index) {
       bytes = readView(model_, source.buffer_view, place);
     } else {
       owned = data_uri ? decodeDataUri(*model_.files, uri, place)
-                       : model_.files->readReference(uri, InputFiles::Reference::kUri);
+                       : model_.files->readPicture(uri, InputFiles::Reference::kUri);
       bytes = owned;
     }
     budget_.take(imageSize(bytes), place);

@@ -80,8 +80,8 @@ class MaterialReader {
             ": its alphaMode is MASK, but its texture has no alpha below the cutoff: nothing is cut out");
     }
     if (use.least_alpha <= 1 && letsLightThrough(source, alpha, material))
-      model_.noteOnce(place + (material.name.empty() ? "" : " '" + material.name + "'") +
-                      ": is transparent; it is baked opaque");
+      model_.noteOnce(place + (material.name.empty() ? "" : " '" + material.name + "'") + ": " +
+                      kBakedOpaque);
     if (!unlit) material.metal_map = readMap(base.metal_texture, Alpha::kIgnore, 0, false, place, use);
     readEmission(source, place, material, use);
     material.double_sided = source.doubleSided;

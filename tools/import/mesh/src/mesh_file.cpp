@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <new>
 #include <string_view>
 
+#include "kelp/common/srgb.h"
 #include "kelp/import/core/outer_rig.h"
 #include "kelp/import/mesh/import_mesh.h"
 
@@ -112,6 +114,17 @@ SourceModel readMesh(const InputFiles& files, const ImportSettings& settings) {
 }
 
 }  // namespace
+
+double fullChannel(double largest) {
+  return largest <= 2 ? 1 : largest <= 256 ? 255 : largest <= 65536 ? 65535 : 4294967295.0;
+}
+
+glm::vec4 linearColor(const glm::dvec4& fractions) {
+  glm::vec4 color(1);
+  for (int c = 0; c < 4; ++c)
+    if (std::isfinite(fractions[c])) color[c] = static_cast<float>(std::clamp(fractions[c], 0.0, 1.0));
+  return {srgbToLinear(color.r), srgbToLinear(color.g), srgbToLinear(color.b), color.a};
+}
 
 SurfaceMaterial plainMaterial() {
   SurfaceMaterial material;

@@ -40,6 +40,13 @@ struct IndexedMesh {
 [[nodiscard]] std::string addPolygon(const IndexedMesh& mesh, std::span<const std::int64_t> corners,
                                      const glm::vec4* face_color, SoupBuilder& soup);
 
+// The number of a full channel, by the largest channel of a file: programs write fractions (some a little
+// above 1), or 0 to 255, or more.
+double fullChannel(double largest);
+// A display color (sRGB) of fractions, as viewers of these formats show it, in linear light. A channel that
+// is not finite is full.
+glm::vec4 linearColor(const glm::dvec4& fractions);
+
 // The material of files that have none.
 SurfaceMaterial plainMaterial();
 

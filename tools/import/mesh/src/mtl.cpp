@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Materials of OBJ files: Kd and map_Kd become the base color, d or Tr its alpha, Ke and map_Ke the
-// emission, Pr and map_Pr, Pm and map_Pm roughness and metal.
+// Materials of OBJ files: Kd and map_Kd become the base color, d or Tr its alpha, map_d what is cut out, Ke
+// and map_Ke the emission, Pr and map_Pr, Pm and map_Pm roughness and metal.
 #include "mtl.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -38,8 +39,7 @@ class MtlReader {
       if (key == "newmtl") {
         std::string rest;
         std::getline(words >> std::ws, rest);
-        joinGloss();
-        placed_ = {};
+        finishMaterial();
         read_.by_name[rest] = static_cast<std::uint32_t>(out_.materials.size());
         out_.materials.emplace_back();
         out_.materials.back().name = oneLine(rest, 80);
@@ -47,16 +47,26 @@ class MtlReader {
         readProperty(key, words, out_.materials.back());
       }
     }
-    joinGloss();
+    finishMaterial();
     return std::move(read_);
   }
 
  private:
-  // A picture of plain numbers: its red channel.
-  struct Gray {
+  // A picture that a material names.
+  struct Map {
     SurfaceMap map;
     std::string name;
     MapPlace place;
+  };
+  // Those of the material that is being read.
+  struct Maps {
+    Map color, cut, glow, rough, metal;
+    std::optional<MapPlace> place;
+  };
+  // The alpha of a picture that cuts out, in an image with the colors of another; texture -1: not read.
+  struct Cut {
+    int texture = -1;
+    bool has_color = false, any_left = false, any_cut = false;
   };
   // Both in one image of the model; -1: neither could be read.
   struct Gloss {
@@ -67,38 +77,29 @@ class MtlReader {
   void readProperty(const std::string& key, std::istringstream& words, SurfaceMaterial& material) {
     if (key == "Kd") {
       glm::vec3 color(0);
-      // A map_Kd multiplies Kd. Exporters that write Kd 0 0 0 beside a map mean white.
       if (readColor(words, color)) material.base_color = glm::vec4(toLinear(color), material.base_color.a);
-      if (material.texture >= 0 && color == glm::vec3(0)) whiten(material);
     } else if (key == "Ke") {
       glm::vec3 color(0);
       if (readColor(words, color)) material.emissive = glm::max(color, glm::vec3(0));
-      lightUp(material);
     } else if (key == "d" || key == "Tr") {
       float value = 1;
-      if (words >> value && std::isfinite(value))
-        material.base_color.a = std::clamp(key == "d" ? value : 1 - value, 0.0f, 1.0f);
+      if (!(words >> value) || !std::isfinite(value) || (key == "Tr" && has_d_)) return;
+      has_d_ = key == "d";  // d is meant where both are given
+      material.base_color.a = std::clamp(has_d_ ? value : 1 - value, 0.0f, 1.0f);
     } else if (key == "Pr" || key == "Pm") {
       float value = 0;
       if (words >> value && std::isfinite(value))
         (key == "Pr" ? material.roughness : material.metallic) = std::clamp(value, 0.0f, 1.0f);
     } else if (key == "map_Kd") {
-      const SurfaceMap map = readMap(words, "map_Kd");
-      material.texture = map.texture;
-      material.wrap_u = map.wrap_u;
-      material.wrap_v = map.wrap_v;
-      if (material.texture >= 0 && glm::vec3(material.base_color) == glm::vec3(0)) whiten(material);
-    } else if (key == "map_Pr" || key == "map_Pm") {
-      Gray& gray = key == "map_Pr" ? rough_ : metal_;
-      gray = {};
-      gray.name = readName(words, gray.map, gray.place);
-    } else if (key == "map_Ke") {
-      material.glow_map = readMap(words, "map_Ke");
-      lightUp(material);
+      maps_.color = readMap(words);
     } else if (key == "map_d") {
-      note("material '" + oneLine(material.name, 60) +
-           "': map_d is not read, and what it cuts out stays; give map_Kd a picture with alpha in a glTF "
-           "file");
+      maps_.cut = readMap(words);
+    } else if (key == "map_Ke") {
+      maps_.glow = readMap(words);
+    } else if (key == "map_Pr") {
+      maps_.rough = readMap(words);
+    } else if (key == "map_Pm") {
+      maps_.metal = readMap(words);
     }
   }
 
@@ -108,26 +109,80 @@ class MtlReader {
     return std::isfinite(color.r + color.g + color.b);
   }
 
-  static void whiten(SurfaceMaterial& material) {
-    material.base_color = glm::vec4(1, 1, 1, material.base_color.a);
+  // A picture multiplies its factor. Programs that write a factor of 0 beside a picture mean 1.
+  void finishMaterial() {
+    if (read_.by_name.empty()) return;
+    SurfaceMaterial& material = out_.materials.back();
+    addColor(material);
+    addGlow(material);
+    addGloss(material);
+    maps_ = {};
+    has_d_ = false;
   }
 
-  // The same as for Kd and its map.
-  static void lightUp(SurfaceMaterial& material) {
-    if (material.glow_map.texture >= 0 && material.emissive == glm::vec3(0)) material.emissive = glm::vec3(1);
+  void addColor(SurfaceMaterial& material) {
+    const Map &color = maps_.color, &cut = maps_.cut;
+    if (material.base_color.a == 0 && !(color.name.empty() && cut.name.empty())) material.base_color.a = 1;
+    const Map& first = color.name.empty() ? cut : color;
+    material.wrap_u = first.map.wrap_u;
+    material.wrap_v = first.map.wrap_v;
+    const Cut read = cut.name.empty() ? Cut() : cutOf(color.name, cut.name);
+    material.texture = read.texture >= 0 ? read.texture : imageOf(color.name);
+    if (read.texture >= 0 ? read.has_color : material.texture >= 0) {
+      placeMap(color.place, "map_Kd");
+      if (glm::vec3(material.base_color) == glm::vec3(0))
+        material.base_color = glm::vec4(1, 1, 1, material.base_color.a);
+    }
+    if (read.texture < 0) return;
+    placeMap(cut.place, "map_d");
+    if (read.any_left && read.any_cut) material.alpha_cutoff = 0.5f * material.base_color.a;
+    if (read.any_left) return;
+    material.texture = -1;
+    material.base_color.a = 0;
   }
 
-  // The two pictures become one as in glTF: green is roughness, blue is metal. It has the size of the larger
-  // and the place of the first.
-  void joinGloss() {
-    const Gray rough = std::exchange(rough_, {}), metal = std::exchange(metal_, {});
-    if (read_.by_name.empty() || (rough.name.empty() && metal.name.empty())) return;
+  const Cut& cutOf(const std::string& color, const std::string& cut) {
+    const auto [slot, fresh] = cuts_.try_emplace({color, cut});
+    if (fresh) slot->second = loadCut(color, cut);
+    return slot->second;
+  }
+
+  // As glTF's alphaMode MASK does at its usual cutoff. `color` may be empty.
+  Cut loadCut(const std::string& color, const std::string& cut) {
+    const std::optional<Image> mask = readImage(cut);
+    if (!mask) return {};
+    const std::optional<Image> other = color.empty() || color == cut ? std::nullopt : readImage(color);
+    const std::optional<Image>& colors = color == cut ? mask : other;
+    // the alpha of a picture that has one, else its red
+    std::size_t channel = color == cut ? 3 : 0;
+    for (std::size_t i = 3; i < mask->rgba.size() && channel == 0; i += 4)
+      channel = mask->rgba[i] < 255 ? 3 : 0;
+    Cut read;
+    read.has_color = colors.has_value();
+    read.texture = join(cut, true, mask, colors, [&](const std::uint8_t* texel, const std::uint8_t* rgba) {
+      const bool left = texel[channel] >= 128;
+      (left ? read.any_left : read.any_cut) = true;
+      return std::array<std::uint8_t, 4>{rgba[0], rgba[1], rgba[2],
+                                         left ? std::uint8_t{255} : std::uint8_t{0}};
+    });
+    return read;
+  }
+
+  void addGlow(SurfaceMaterial& material) {
+    material.glow_map = maps_.glow.map;
+    material.glow_map.texture = imageOf(maps_.glow.name);
+    if (material.glow_map.texture < 0) return;
+    placeMap(maps_.glow.place, "map_Ke");
+    if (material.emissive == glm::vec3(0)) material.emissive = glm::vec3(1);
+  }
+
+  void addGloss(SurfaceMaterial& material) {
+    const Map &rough = maps_.rough, &metal = maps_.metal;
+    if (rough.name.empty() && metal.name.empty()) return;
     const auto [slot, fresh] = gloss_.try_emplace({rough.name, metal.name});
     if (fresh) slot->second = loadGloss(rough.name, metal.name);
     const Gloss& gloss = slot->second;
     if (gloss.texture < 0) return;
-    SurfaceMaterial& material = out_.materials.back();
-    // A factor of 0 would make the picture black: it counts as 1, as for Kd.
     if (gloss.has_rough && material.roughness == 0) material.roughness = 1;
     if (gloss.has_metal && material.metallic == 0) material.metallic = 1;
     placeMap(gloss.has_rough ? rough.place : metal.place, gloss.has_rough ? "map_Pr" : "map_Pm");
@@ -135,52 +190,61 @@ class MtlReader {
     material.metal_map.texture = gloss.texture;
   }
 
-  // Either name may be empty.
+  // Green is roughness, blue is metal, as in glTF. Either name may be empty.
   Gloss loadGloss(const std::string& rough, const std::string& metal) {
     const std::optional<Image> green = rough.empty() ? std::nullopt : readImage(rough),
                                blue = metal.empty() ? std::nullopt : readImage(metal);
     if (!green && !blue) return {};
+    const int texture = join(green ? rough : metal, false, green, blue,
+                             [](const std::uint8_t* one, const std::uint8_t* other) {
+                               return std::array<std::uint8_t, 4>{255, one[0], other[0], 255};
+                             });
+    return {texture, green.has_value(), blue.has_value()};
+  }
+
+  // Two pictures as one image of the model, which has the size of the larger; an absent one is white.
+  template <class Texel>
+  int join(const std::string& name, bool srgb, const std::optional<Image>& a, const std::optional<Image>& b,
+           const Texel& texel) {
     Image joined;
-    joined.name = oneLine(green ? rough : metal, 80);
-    joined.srgb = false;
-    joined.width = std::max(green ? green->width : 1, blue ? blue->width : 1);
-    joined.height = std::max(green ? green->height : 1, blue ? blue->height : 1);
+    joined.name = oneLine(name, 80);
+    joined.srgb = srgb;
+    joined.width = std::max(a ? a->width : 1, b ? b->width : 1);
+    joined.height = std::max(a ? a->height : 1, b ? b->height : 1);
     budget_.take({joined.width, joined.height}, name_ + ": texture " + joined.name);
     joined.rgba.reserve(std::size_t{4} * static_cast<std::size_t>(joined.width) *
                         static_cast<std::size_t>(joined.height));
     for (int y = 0; y < joined.height; ++y) {
       for (int x = 0; x < joined.width; ++x) {
-        const auto red = [&](const std::optional<Image>& image) {
-          if (!image) return std::uint8_t{255};
+        const auto at = [&](const std::optional<Image>& image) {
+          static constexpr std::array<std::uint8_t, 4> kWhite = {255, 255, 255, 255};
+          if (!image) return kWhite.data();
           const auto column = static_cast<std::size_t>(std::int64_t{x} * image->width / joined.width),
                      row = static_cast<std::size_t>(std::int64_t{y} * image->height / joined.height);
-          return image->rgba[4 * (column + static_cast<std::size_t>(image->width) * row)];
+          return &image->rgba[4 * (column + static_cast<std::size_t>(image->width) * row)];
         };
-        joined.rgba.insert(joined.rgba.end(), {255, red(green), red(blue), 255});
+        const auto rgba = texel(at(a), at(b));
+        joined.rgba.insert(joined.rgba.end(), rgba.begin(), rgba.end());
       }
     }
     out_.images.push_back(std::move(joined));
-    return {static_cast<int>(out_.images.size()) - 1, green.has_value(), blue.has_value()};
+    return static_cast<int>(out_.images.size()) - 1;
   }
 
-  SurfaceMap readMap(std::istringstream& words, const char* key) {
-    SurfaceMap map;
-    MapPlace place;
-    const std::string name = readName(words, map, place);
-    if (name.empty()) return map;
+  // The model's image of a picture; -1: no name, or it cannot be read.
+  int imageOf(const std::string& name) {
+    if (name.empty()) return -1;
     const auto [slot, fresh] = images_.try_emplace(name, -1);
     if (fresh) slot->second = loadImage(name);
-    map.texture = slot->second;
-    if (map.texture >= 0) placeMap(place, key);
-    return map;
+    return slot->second;
   }
 
   // All pictures of a material take the place of the first.
   void placeMap(const MapPlace& place, const char* key) {
     const auto material = static_cast<std::uint32_t>(out_.materials.size() - 1);
-    if (!placed_)
-      read_.places[material] = *(placed_ = place);
-    else if (*placed_ != place)
+    if (!maps_.place)
+      read_.places[material] = *(maps_.place = place);
+    else if (*maps_.place != place)
       note("material '" + oneLine(out_.materials.back().name, 60) + "': -s and -o of " + key +
            " are not those of its first picture, which are used");
   }
@@ -191,7 +255,8 @@ class MtlReader {
 
   // "map_Kd [-option values] NAME", where NAME may hold spaces, and begin with digits. Options take one word
   // (-blendu, -bm, -imfchan, -type), or up to three numbers (-o, -s, -t), or two (-mm).
-  static std::string readName(std::istringstream& words, SurfaceMap& map, MapPlace& place) {
+  static Map readMap(std::istringstream& words) {
+    Map read;
     std::string rest;
     std::getline(words, rest);
     std::string_view left = rest;
@@ -207,15 +272,16 @@ class MtlReader {
         }
         for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 2); ++i) {
           if (!std::isfinite(numbers[i])) continue;
-          if (option == "-s") place.scale[static_cast<int>(i)] = numbers[i];
-          if (option == "-o") place.offset[static_cast<int>(i)] = numbers[i];
+          if (option == "-s") read.place.scale[static_cast<int>(i)] = numbers[i];
+          if (option == "-o") read.place.offset[static_cast<int>(i)] = numbers[i];
         }
       } else {
         const std::string_view value = nextWord(left);
-        if (option == "-clamp" && value == "on") map.wrap_u = map.wrap_v = Wrap::kClamp;
+        if (option == "-clamp" && value == "on") read.map.wrap_u = read.map.wrap_v = Wrap::kClamp;
       }
     }
-    return std::string(left);
+    read.name = left;
+    return read;
   }
 
   int loadImage(const std::string& reference) {
@@ -228,15 +294,15 @@ class MtlReader {
   // Nothing, with a notice, if it cannot be read.
   std::optional<Image> readImage(const std::string& reference) {
     try {
-      const std::vector<std::uint8_t> bytes = files_.readReference(reference, InputFiles::Reference::kPath);
+      const std::vector<std::uint8_t> bytes = files_.readPicture(reference, InputFiles::Reference::kPath);
       budget_.take(imageSize(bytes), name_ + ": texture " + oneLine(reference, 80));
       auto image = decodeImage(bytes, oneLine(reference, 80));
       if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
-      out_.notices.push_back(name_ + ": texture " + oneLine(reference, 80) + " " +
-                             std::get<std::string>(image) + ": the color alone is used");
+      note(name_ + ": texture " + oneLine(reference, 80) + " " + std::get<std::string>(image) +
+           ": the color alone is used");
     } catch (const ToolError& error) {
       if (isOfTheMachine(error)) throw;
-      out_.notices.push_back(std::string(error.what()) + ": the color alone is used");
+      note(std::string(error.what()) + ": the color alone is used");
     }
     return std::nullopt;
   }
@@ -246,11 +312,13 @@ class MtlReader {
   PictureBudget& budget_;
   SourceModel& out_;
   MtlMaterials read_;
-  std::optional<MapPlace> placed_;  // of the material that is being read
+  Maps maps_;           // of the material that is being read
+  bool has_d_ = false;  // likewise
   std::set<std::string> noted_;
   std::map<std::string, int> images_;
-  std::map<std::pair<std::string, std::string>, Gloss> gloss_;  // by the names of both pictures
-  Gray rough_, metal_;                                          // of the material that is being read
+  // by the names of both pictures
+  std::map<std::pair<std::string, std::string>, Gloss> gloss_;
+  std::map<std::pair<std::string, std::string>, Cut> cuts_;
 };
 
 }  // namespace

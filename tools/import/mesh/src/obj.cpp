@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
 // Wavefront OBJ. Why kelp reads it itself: the README of this folder.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
 #include <string_view>
 
-#include "kelp/common/srgb.h"
+#include <fmt/format.h>
+
 #include "kelp/import/core/source_model.h"
 #include "kelp/import/core/text_reader.h"
 #include "mesh_file.h"
 #include "mtl.h"
+#include "obj_colors.h"
 
 namespace kelp::bake {
 namespace {
@@ -55,8 +58,9 @@ class ObjReader {
   }
 
   void readLine(std::string_view line) {
-    if (line.empty() || line.front() == '#') return;
     const std::string_view key = nextWord(line);
+    if (key == "#MRGB") return colors_.addPaint(line);
+    if (key.empty() || key.front() == '#') return;
     if (key == "v")
       readVertex(line);
     else if (key == "vt")
@@ -71,8 +75,8 @@ class ObjReader {
       ++not_faces_;
     else if (key == "vn" || key == "g" || key == "o" || key == "s")
       return;
-    else
-      ++unknown_;
+    else if (++unknown_ == 1)
+      unknown_key_ = oneLine(key, 40);
   }
 
   void readVertex(std::string_view line) {
@@ -87,18 +91,7 @@ class ObjReader {
     }
     if (count < 3) refuseLine("a vertex needs three numbers");
     positions_.emplace_back(value[0], value[1], value[2]);
-    // "x y z r g b", as ZBrush, MeshLab and Blender write it; some files have "x y z w r g b". A vertex
-    // without a color is white.
-    glm::vec3 color(1);
-    if (count >= 6) {
-      const std::size_t first = count >= 7 ? 4 : 3;
-      for (int c = 0; c < 3; ++c) {
-        const double channel = value[first + static_cast<std::size_t>(c)];
-        color[c] = std::isfinite(channel) ? static_cast<float>(std::clamp(channel, 0.0, 1.0)) : 1.0f;
-      }
-      if (colors_.empty()) colors_.assign(positions_.size() - 1, glm::vec3(1));
-    }
-    if (count >= 6 || !colors_.empty()) colors_.push_back(color);
+    colors_.addVertex({value.data(), count});
   }
 
   void readTexcoord(std::string_view line) {
@@ -125,6 +118,7 @@ class ObjReader {
 
   void readFace(std::string_view line) {
     ++faces_;
+    colors_.endBlock();
     polygon_.clear();
     for (std::string_view word = nextWord(line); !word.empty() && word.front() != '#';
          word = nextWord(line)) {
@@ -185,7 +179,7 @@ class ObjReader {
     Tried& tried = at->second;
     if (fresh) {
       try {
-        const std::filesystem::path path = files_.resolve(name, InputFiles::Reference::kPath);
+        const std::filesystem::path path = files_.resolveOrBeside(name, InputFiles::Reference::kPath);
         const auto known = libraries_.find(path);
         tried.library = known == libraries_.end() ? readLibrary(name, path) : known->second;
       } catch (const ToolError& error) {
@@ -213,6 +207,8 @@ class ObjReader {
 
   void finish() {
     soup_.setOrigin(farMiddle(positions_));
+    vertex_colors_ = colors_.take(out_.notices);
+    countFaces();
     std::size_t at = 0;
     std::vector<glm::vec3> points;
     for (std::size_t f = 0; f < face_sizes_.size(); ++f) {
@@ -231,21 +227,54 @@ class ObjReader {
         points.emplace_back(positions_[static_cast<std::size_t>(corner.position)] - soup_.origin());
         with_uv = with_uv && corner.uv >= 0;
       }
+      if (isLeftOut(face_materials_[f])) continue;
       for (const auto& cut : triangulatePolygon(points))
         addTriangle(corners, points, cut, face_materials_[f], with_uv);
     }
     if (not_faces_ > 0)
       out_.notices.push_back(std::to_string(not_faces_) +
                              " points, lines or faces of fewer than three corners are skipped");
-    if (unknown_ > 0) out_.notices.push_back(std::to_string(unknown_) + " lines of unknown kind are skipped");
+    if (unknown_ > 0)
+      out_.notices.push_back(fmt::format("{} lines of unknown kind are skipped, the first begins with '{}'",
+                                         unknown_, unknown_key_));
     for (const std::string& name : library_missing_ ? std::set<std::string>() : missing_materials_)
       out_.notices.push_back("material '" + oneLine(name, 60) + "' is not defined: white is used");
+    noteAlphas();
     if (face_sizes_.empty()) {
       if (positions_.empty())
         refuse(Exit::kInvalid, files_.input(), "",
                "does not look like OBJ: it holds no vertex and no face; check the file's type");
       refuse(Exit::kUnsupported, files_.input(), "",
              "holds points or lines but no faces: there is nothing to voxelize; export a model with faces");
+    }
+  }
+
+  static bool isInvisible(const SurfaceMaterial& material) {
+    return material.base_color.a == 0 && material.texture < 0;
+  }
+
+  void countFaces() {
+    faces_of_.resize(out_.materials.size());
+    for (const std::uint32_t material : face_materials_) {
+      ++faces_of_[material];
+      any_visible_ = any_visible_ || !isInvisible(out_.materials[material]);
+    }
+  }
+
+  // What is invisible, unless that is everything: some programs write Tr 1 and mean that nothing is.
+  bool isLeftOut(std::uint32_t material) const {
+    return any_visible_ && isInvisible(out_.materials[material]);
+  }
+
+  void noteAlphas() {
+    for (std::uint32_t m = 0; m < faces_of_.size(); ++m) {
+      const SurfaceMaterial& material = out_.materials[m];
+      if (faces_of_[m] == 0 || material.base_color.a == 1 || material.alpha_cutoff > 0) continue;
+      const std::string what =
+          isLeftOut(m)
+              ? fmt::format("is invisible (its alpha is 0): {} of its faces are left out", faces_of_[m])
+              : kBakedOpaque;
+      out_.notices.push_back("material '" + oneLine(material.name, 60) + "': " + what);
     }
   }
 
@@ -263,18 +292,13 @@ class ObjReader {
     SoupBuilder::Triangle triangle;
     triangle.material = material;
     if (with_uv) triangle.uv.emplace();
-    if (!colors_.empty()) triangle.color.emplace();
+    if (!vertex_colors_.empty()) triangle.color.emplace();
     for (std::size_t i = 0; i < 3; ++i) {
       const ObjCorner& corner = corners[cut[i]];
       const auto position = static_cast<std::size_t>(corner.position);
       triangle.position[i] = points[cut[i]];
       if (with_uv) (*triangle.uv)[i] = placed(texcoords_[static_cast<std::size_t>(corner.uv)], material);
-      if (position < colors_.size()) {
-        const glm::vec3 color = colors_[position];
-        (*triangle.color)[i] = {srgbToLinear(color.r), srgbToLinear(color.g), srgbToLinear(color.b), 1};
-      } else if (triangle.color) {
-        (*triangle.color)[i] = glm::vec4(1);
-      }
+      if (triangle.color) (*triangle.color)[i] = vertex_colors_[position];
     }
     if (!soup_.add(triangle)) refuseLine("the file has more than 64 million triangles; bake it in pieces");
   }
@@ -284,12 +308,16 @@ class ObjReader {
   SourceModel& out_;
   SoupBuilder& soup_;
   std::size_t line_ = 0, faces_ = 0, not_faces_ = 0, unknown_ = 0;
+  std::string unknown_key_;
   std::vector<glm::dvec3> positions_;
-  std::vector<glm::vec3> colors_;
+  ObjColors colors_;
+  std::vector<glm::vec4> vertex_colors_;  // linear: none, or one a vertex
   std::vector<glm::vec2> texcoords_;
   std::vector<ObjCorner> polygon_, face_corners_;
   std::vector<std::uint32_t> face_sizes_, face_materials_;
   std::vector<std::size_t> face_lines_;
+  std::vector<std::size_t> faces_of_;  // each material
+  bool any_visible_ = false;
   struct Tried {
     std::optional<std::size_t> library;
     std::string failure;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// OFF as Geomview documents it, as text: OFF, COFF, NOFF, CNOFF, STOFF and their combinations.
+// OFF as Geomview documents it, as text: OFF, COFF, NOFF, CNOFF, STOFF and their combinations. Colors are
+// display colors, as Geomview shows them.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kelp/common/error.h"
-#include "kelp/common/srgb.h"
 #include "kelp/import/core/source_model.h"
 #include "kelp/import/core/text_reader.h"
 #include "mesh_file.h"
@@ -37,6 +38,7 @@ class OffReader {
       refuse(Exit::kUnsupported, files_.input(), "", "is binary OFF; save it as text");
     normals_ = prefix.find('N') != std::string_view::npos;
     colors_ = prefix.find('C') != std::string_view::npos;
+    texcoords_ = prefix.find('T') != std::string_view::npos;
     if (trim(first).empty()) first = nextLine();  // the counts stand on the first line or below it
     const std::int64_t vertices = count(first, "vertices"), faces = count(first, "faces");
     readVertices(vertices);
@@ -76,28 +78,26 @@ class OffReader {
     return *value;
   }
 
-  // Three or four numbers: integers from 0 to 255 or fractions from 0 to 1. Display colors, as Geomview
-  // shows them.
-  static std::optional<glm::vec4> color(std::string_view line) {
-    glm::vec4 value(1);
-    bool whole = true;
+  // The three or four numbers of a color, as they stand there; without an alpha it is full.
+  static std::optional<glm::dvec4> color(std::string_view line) {
+    glm::dvec4 value(std::numeric_limits<double>::infinity());
     int channels = 0;
     for (std::string_view word = nextWord(line); !word.empty() && channels < 4; word = nextWord(line)) {
-      const std::optional<float> channel = parseFloat(word);
+      const std::optional<double> channel = parseDouble(word);
       if (!channel || !std::isfinite(*channel)) return std::nullopt;
-      whole = whole && parseInteger(word).has_value();
       value[channels++] = *channel;
     }
     if (channels < 3) return std::nullopt;  // an index into a color map
-    if (whole) {
-      value /= 255.0f;
-      if (channels == 3) value.a = 1;
-    }
-    value = glm::clamp(value, 0.0f, 1.0f);
-    return glm::vec4(srgbToLinear(value.r), srgbToLinear(value.g), srgbToLinear(value.b), value.a);
+    return value;
+  }
+
+  static double larger(double largest, const glm::dvec4& color) {
+    return std::max({largest, color.r, color.g, color.b});
   }
 
   void readVertices(std::int64_t vertices) {
+    double largest = 0;
+    bool more = false;
     for (std::int64_t i = 0; i < vertices; ++i) {
       std::string_view line = nextLine();
       if (line.empty())
@@ -108,37 +108,69 @@ class OffReader {
       mesh_.positions.push_back(position);
       if (normals_)
         for (int c = 0; c < 3; ++c) number(line);
-      if (colors_) mesh_.colors.push_back(color(line).value_or(glm::vec4(1)));
+      const std::optional<glm::dvec4> own = color(line);
+      more = more || (own && !colors_ && !texcoords_);
+      if (!colors_) continue;
+      mesh_.colors.emplace_back(own.value_or(glm::dvec4(std::numeric_limits<double>::infinity())));
+      if (own) largest = larger(largest, *own);
     }
+    for (glm::vec4& own : mesh_.colors) own = linearColor(glm::dvec4(own) / fullChannel(largest));
+    if (more)
+      out_.notices.push_back(
+          "the vertices have more numbers than the file's first word says, which are not read; it is COFF if "
+          "they are colors");
     soup_.setOrigin(farMiddle(mesh_.positions));
   }
 
+  // Reads the corners of the next face; the rest of its line is its color.
+  std::string_view readCorners(std::int64_t face, std::int64_t faces) {
+    std::string_view line = nextLine();
+    if (line.empty())
+      refuseLine("the file ends after " + std::to_string(face) + " of " + std::to_string(faces) +
+                 " faces; it is truncated");
+    const std::optional<std::int64_t> size = parseInteger(nextWord(line));
+    if (!size || *size < 0 || static_cast<std::uint64_t>(*size) > line.size() + 1)
+      refuseLine("a face does not begin with its number of corners");
+    corners_.clear();
+    for (std::int64_t c = 0; c < *size; ++c) {
+      const std::optional<std::int64_t> corner = parseInteger(nextWord(line));
+      if (!corner) refuseLine("a face lacks one of its corners");
+      corners_.push_back(*corner);
+    }
+    return trim(line);
+  }
+
+  // The number of a full channel of the faces' colors.
+  double fullChannelOfFaces(std::int64_t faces) {
+    const std::string_view text = text_;
+    const std::size_t line = line_;
+    double largest = 0;
+    for (std::int64_t i = 0; i < faces; ++i)
+      if (const std::optional<glm::dvec4> own = color(readCorners(i, faces))) largest = larger(largest, *own);
+    text_ = text;
+    line_ = line;
+    return fullChannel(largest);
+  }
+
   void readFaces(std::int64_t faces) {
-    std::size_t skipped = 0;
-    std::vector<std::int64_t> corners;
+    std::size_t skipped = 0, mapped = 0;
+    const double full = fullChannelOfFaces(faces);
     for (std::int64_t i = 0; i < faces; ++i) {
-      std::string_view line = nextLine();
-      if (line.empty())
-        refuseLine("the file ends after " + std::to_string(i) + " of " + std::to_string(faces) +
-                   " faces; it is truncated");
-      const std::optional<std::int64_t> size = parseInteger(nextWord(line));
-      if (!size || *size < 0 || static_cast<std::uint64_t>(*size) > line.size() + 1)
-        refuseLine("a face does not begin with its number of corners");
-      corners.clear();
-      for (std::int64_t c = 0; c < *size; ++c) {
-        const std::optional<std::int64_t> corner = parseInteger(nextWord(line));
-        if (!corner) refuseLine("a face lacks one of its corners");
-        corners.push_back(*corner);
-      }
-      const std::optional<glm::vec4> own = color(line);
-      if (corners.size() < 3)
+      const std::string_view rest = readCorners(i, faces);
+      const std::optional<glm::dvec4> own = color(rest);
+      mapped += !own && !rest.empty() ? 1 : 0;
+      const glm::vec4 face_color = own ? linearColor(*own / full) : glm::vec4(1);
+      if (corners_.size() < 3)
         ++skipped;
-      else if (const std::string wrong = addPolygon(mesh_, corners, own ? &*own : nullptr, soup_);
+      else if (const std::string wrong = addPolygon(mesh_, corners_, own ? &face_color : nullptr, soup_);
                !wrong.empty())
         refuseLine(wrong);
     }
     if (skipped > 0)
       out_.notices.push_back(std::to_string(skipped) + " faces of fewer than three corners are skipped");
+    if (mapped > 0)
+      out_.notices.push_back(std::to_string(mapped) +
+                             " faces have a number of a color map instead of a color, which is not read");
     if (faces == 0)
       refuse(mesh_.positions.empty() ? Exit::kInvalid : Exit::kUnsupported, files_.input(), "",
              "holds no faces: there is nothing to voxelize; export a model with faces");
@@ -149,7 +181,8 @@ class OffReader {
   SourceModel& out_;
   SoupBuilder& soup_;
   std::size_t line_ = 0;
-  bool normals_ = false, colors_ = false;
+  bool normals_ = false, colors_ = false, texcoords_ = false;
+  std::vector<std::int64_t> corners_;
   IndexedMesh mesh_;
 };
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// STL. A binary file is recognized by its count, not by its first word: many begin with "solid" too. Keywords
-// of text files may be in upper or lower case.
+// STL. A binary file is recognized by its count, or by a zero where a text has none, not by its first word:
+// many begin with "solid" too. Keywords of text files may be in upper or lower case.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "kelp/common/error.h"
@@ -97,6 +98,35 @@ class FacetColors {
   glm::vec4 whole_{1};
 };
 
+// True if 50 bytes look like a facet: a triangle of finite numbers with a normal of length 0 or 1, or its
+// own.
+bool looksLikeFacet(const std::uint8_t* bytes) {
+  std::array<glm::vec3, 4> read;  // the normal, and the corners
+  std::memcpy(read.data(), bytes, sizeof read);
+  const glm::dvec3 normal(read[0]), a(read[1]), b(read[2]), c(read[3]);
+  const glm::dvec3 across = glm::cross(b - a, c - a);
+  const double length = glm::length(normal), area = glm::length(across);
+  if (!std::isfinite(length) || !std::isfinite(area) || area == 0) return false;
+  return length == 0 || std::abs(length - 1) < 0.01 ||
+         std::abs(glm::dot(normal, across)) > 0.999 * length * area;
+}
+
+// The facets of a binary file, of which `declared` are in its header. Programs that write as they go leave 0,
+// -1 or an early count there, so where the count is too small, or beyond any file, the bytes decide: up to
+// the last facet that looks like one, if half of those that nobody counted do.
+std::size_t facetsOf(std::span<const std::uint8_t> bytes, std::size_t declared, std::size_t fits) {
+  constexpr std::size_t kMost = (std::size_t{4} << 30) / kFacetBytes;  // of the largest file that is read
+  if (declared > fits && declared <= kMost) return declared;
+  const std::size_t counted = declared > fits ? 0 : declared;
+  std::size_t end = counted, alike = 0;
+  for (std::size_t f = counted; f < fits; ++f) {
+    if (!looksLikeFacet(bytes.data() + kHeaderBytes + f * kFacetBytes)) continue;
+    ++alike;
+    end = f + 1;
+  }
+  return end > counted && 2 * alike >= end - counted ? end : declared;
+}
+
 void readBinary(const InputFiles& files, std::span<const std::uint8_t> bytes, std::size_t facets,
                 SoupBuilder& soup) {
   const FacetColors colors(bytes, facets);
@@ -157,8 +187,11 @@ void readStl(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
   if (bytes.size() >= kHeaderBytes) std::memcpy(&declared, bytes.data() + 80, 4);
   const std::size_t fits = bytes.size() < kHeaderBytes ? 0 : (bytes.size() - kHeaderBytes) / kFacetBytes;
   const bool says_solid = isWord(trim(text.substr(0, 512)).substr(0, 5), "solid");
-  // In a file of at most 4 GiB a count is less than any four characters of a text.
-  const bool has_count = bytes.size() >= kHeaderBytes && declared < 0x09090909u;
+  // In a file of at most 4 GiB a count is less than any four characters of a text. Counts that are wrong may
+  // not be, but the first facet has a zero.
+  const bool has_count =
+      bytes.size() >= kHeaderBytes &&
+      (declared < 0x09090909u || text.substr(kHeaderBytes, kFacetBytes).find('\0') != std::string_view::npos);
   const bool is_text = says_solid && !has_count;
   if (is_text && holdsWord(afterFirstLine(text), "facet")) {
     out.format = "STL (text)";
@@ -171,11 +204,15 @@ void readStl(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
     refuse(
         Exit::kInvalid, files.input(), "",
         "does not look like STL: it is neither text nor as long as a binary header; check the file's type");
-  if (declared > fits)
+  const std::size_t facets = facetsOf(bytes, declared, fits);
+  if (facets > fits)
     refuse(Exit::kInvalid, files.input(), "header",
            "declares " + std::to_string(declared) + " facets but the file holds " + std::to_string(fits) +
                "; it is truncated or not an STL");
-  readBinary(files, bytes, declared, soup);
+  if (facets != declared)
+    out.notices.push_back("the header declares " + std::to_string(declared) + " facets, but the file holds " +
+                          std::to_string(facets) + ": all of them are read");
+  readBinary(files, bytes, facets, soup);
 }
 
 }  // namespace kelp::bake

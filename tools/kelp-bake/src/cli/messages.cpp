@@ -207,7 +207,7 @@ void printSummary(const Options& options, const bake::Report& report, double sec
   if (report.palette_error > 0) {
     sayDetail(fmt::format("{}: the palette is off by {:.4f} in the mean (OKLab)",
                           options.settings.palette_file ? options.settings.palette_file->filename().string()
-                                                        : "more than 256 materials",
+                                                        : "more than 256 colors",
                           report.palette_error));
   }
   const bake::Report::Stage* longest = nullptr;

@@ -74,8 +74,11 @@ class InputFiles {
   // inside are followed. ToolError kIo if the folder cannot be read.
   enum class Reference { kUri, kPath };  // percent-encoded (glTF), or as written with either slash (MTL)
   std::filesystem::path resolve(std::string_view reference, Reference kind) const;
-  // The content of such a file. ToolError kIo if it cannot be read.
-  std::vector<std::uint8_t> readReference(std::string_view reference, Reference kind) const;
+  // The same; a reference that is refused is tried by its last component (after either slash) in the input's
+  // folder, and nowhere else.
+  std::filesystem::path resolveOrBeside(std::string_view reference, Reference kind) const;
+  // The content of a picture, found as resolveOrBeside() does. ToolError kIo if it cannot be read.
+  std::vector<std::uint8_t> readPicture(std::string_view reference, Reference kind) const;
   // Any other file that the user named, such as a rig.
   std::vector<std::uint8_t> readFile(const std::filesystem::path& path) const;
   // True if a file exists. A missing one is noted in FilesUsed: the bake depends on it.

@@ -38,6 +38,9 @@ struct SurfaceMap {
   int coordinates = 0;   // 0: TriangleSoup::uvs; n: its more_uvs[n - 1]
 };
 
+// Said of a material that lets light through.
+inline constexpr const char* kBakedOpaque = "is transparent; it is baked opaque";
+
 struct SurfaceMaterial {
   std::string name;
   glm::vec4 base_color{1};  // linear; multiplies texture and vertex color
