@@ -33,6 +33,10 @@ class Gltf:
                                "count": len(numbers) // width, **more})
         return len(self.accessors) - 1
 
+    def buffer(self):
+        return {"byteLength": len(self.data), "uri": "data:application/octet-stream;base64," +
+                base64.b64encode(self.data).decode()}
+
 
 def tube(turn=0.3):
     """A tube with a joint in each of its stretches, which curls."""
@@ -78,8 +82,7 @@ def tube(turn=0.3):
                         "channels": [{"sampler": 0, "target": {"node": j + 1, "path": "rotation"}}
                                      for j in range(1, JOINTS)]}],
         "accessors": gltf.accessors, "bufferViews": gltf.views,
-        "buffers": [{"byteLength": len(gltf.data), "uri": "data:application/octet-stream;base64," +
-                     base64.b64encode(gltf.data).decode()}]})
+        "buffers": [gltf.buffer()]})
 
 
 class SkinRig(unittest.TestCase):

@@ -86,7 +86,7 @@ std::uint64_t usedMaterials(const SourceModel& model) {
 // --at needs animations and --parts nodes needs nodes. A pack has at least one part.
 void checkFormat(const Job& job) {
   const SourceModel& model = job.model;
-  const bool gltf = model.format.rfind("glTF", 0) == 0, nodes = gltf || model.format == "MagicaVoxel";
+  const bool gltf = model.format.rfind("glTF", 0) == 0, nodes = model.hasNodes();
   if ((job.settings.at && !gltf) || (job.settings.parts != Parts::kOne && !nodes))
     throw ToolError(Exit::kUsage, fmt::format("{}: {} files have no {}; leave {} out",
                                               job.input.filename().string(), model.format,
@@ -124,6 +124,7 @@ void importModel(Job& job) {
   report.materials = usedMaterials(job.model);
   report.images = job.model.images.size();
   checkFormat(job);
+  if (!job.model.parts.front().skin) requireRiggedParts(job.model, settings, job.input);
   for (SourcePart& part : job.model.parts)
     if (!part.rig.bend) part.rig.bend = part.fog ? Bend::kShear : settings.bend.value_or(kDefaultBend);
   for (const SourcePart& part : job.model.parts)
@@ -278,6 +279,7 @@ void voxelizeParts(Job& job) {
 DividedSkin divideSkins(Job& job) {
   DividedSkin divided = divideSkinnedPart(job.model, job.frames.front(), job.settings.pad, job.threads,
                                           job.progress, job.report);
+  requireRiggedParts(job.model, job.settings, job.input);
   job.frames.assign(job.model.parts.size(), Frame());
   job.grids.clear();
   for (const SourcePart& part : job.model.parts) job.grids.push_back(&*part.grid);
@@ -376,7 +378,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     clock.begin("distances");
     addDistances(job);
   }
-  job.pack.info_json = makeInfo(input, job.model.format, job.volume, settings, report.files, skin_info);
+  job.pack.info_json = makeInfo(input, job.model, job.pack, job.volume, settings, report.files, skin_info);
   clock.end();
   return std::move(job.pack);
 }

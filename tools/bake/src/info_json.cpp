@@ -53,6 +53,16 @@ std::map<std::string, OrderedJson> otherFiles(const std::filesystem::path& input
   return files;
 }
 
+// The axes of rigs in their nodes, of parts whose places tell another one (RiggedPack).
+void noteAxes(const SourceModel& model, const RawPack& pack, OrderedJson& info) {
+  for (std::size_t i = 0; i < pack.parts.size(); ++i) {
+    const RawPart& part = pack.parts[i];
+    const Axis axis = model.parts[i].rig.axis.value_or(Axis::kPlusY);
+    if (axis != axisByPlace(part.to_object, part.pivot).value_or(Axis::kPlusY))
+      info["axes"][part.name] = toString(axis);
+  }
+}
+
 OrderedJson sourceJson(const std::filesystem::path& input, const std::string& format,
                        const std::string& xxh3) {
   return {{"tool", "kelp-bake " KELP_VERSION},
@@ -78,8 +88,8 @@ std::filesystem::path rigBeside(const std::filesystem::path& input) {
   return beside.replace_extension(".rig.json");
 }
 
-std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume,
-                     const Settings& settings, const FilesUsed& used, const std::string& skin) {
+std::string makeInfo(const std::filesystem::path& input, const SourceModel& model, const RawPack& pack,
+                     bool volume, const Settings& settings, const FilesUsed& used, const std::string& skin) {
   OrderedJson options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
@@ -114,10 +124,13 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (settings.levels > 0) options["levels"] = settings.levels;
   options["distance"] = settings.distance;
   if (settings.effort == Effort::kBest) options["effort"] = "best";
-  OrderedJson info = sourceJson(input, format, hashOf(used, input));
+  OrderedJson info = sourceJson(input, model.format, hashOf(used, input));
   info["options"] = options;
   for (const auto& [name, hash] : otherFiles(input, settings, used)) info["files"][name] = hash;
-  if (!skin.empty()) info["skin"] = OrderedJson::parse(skin);
+  if (!skin.empty())
+    info["skin"] = OrderedJson::parse(skin);
+  else if (pack.parts.size() > 1 || settings.parts == Parts::kNodes)
+    noteAxes(model, pack, info);
   return print(info);
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -68,6 +71,28 @@ void give(const RawRig& rest, RawPart& part) {
 }
 
 }  // namespace
+
+void requireRiggedParts(const SourceModel& model, const ImportSettings& settings,
+                        const std::filesystem::path& input) {
+  if (!model.outer) return;
+  constexpr std::size_t kMostNames = 40;
+  std::string names;
+  std::set<std::string_view> there;
+  for (const SourcePart& part : model.parts)
+    if (there.insert(part.name).second && there.size() <= kMostNames)
+      names += fmt::format("{}'{}'", names.empty() ? "" : ", ", part.name);
+  if (there.size() > kMostNames) names += fmt::format(" and {} more", there.size() - kMostNames);
+  for (const RigFile::PartRig& rig : model.outer->file.parts)
+    if (!there.contains(rig.name))
+      throw ToolError(
+          Exit::kInvalid,
+          fmt::format("{}: there is no part '{}', for which the rig ({}) has one; parts are {}: correct the "
+                      "name under \"parts\", or take it out{}",
+                      input.filename().string(), rig.name, model.outer->origin, names,
+                      model.hasNodes() && settings.parts == Parts::kOne
+                          ? "; --parts nodes makes a part of each node or .vox object"
+                          : ""));
+}
 
 void rigParts(const SourceModel& model, const std::filesystem::path& input, RawPack& pack, Report& report) {
   std::vector<RawClip> clips;

@@ -32,13 +32,14 @@ std::uint64_t countSolid(const VoxelGrid& grid) {
 }
 
 // Distances in hundredths of a voxel: finer than anybody needs, and the same on every machine.
-std::string infoOf(const std::vector<SkinPart>& parts) {
+std::string infoOf(const std::vector<SkinPart>& parts, const std::optional<OuterRig>& outer) {
   const auto rounded = [](double distance) { return std::round(100 * distance) / 100; };
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const SkinPart& part : parts) {
     nlohmann::ordered_json& line = list.emplace_back();
     line["joints"] = part.joints;
     if (part.swept) line["knots"] = part.rig.knots.size();
+    if (outer && outer->file.find(part.name)) line["rig"] = true;  // is from the rig file
     line["fit"] = {
         {"mean", rounded(part.fit.mean)}, {"p95", rounded(part.fit.p95)}, {"max", rounded(part.fit.max)}};
   }
@@ -83,7 +84,7 @@ DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, i
                               const Progress& progress, Report& report) {
   const SourcePart whole = std::move(model.parts.front());
   SkinParts divided = divideSkin(model, whole, frame, *whole.grid, threads, progress);
-  DividedSkin out{std::move(divided.fits), std::move(divided.sockets), infoOf(divided.parts)};
+  DividedSkin out{std::move(divided.fits), std::move(divided.sockets), infoOf(divided.parts, model.outer)};
   std::ranges::move(divided.notices, std::back_inserter(report.notices));
   model.parts.clear();
   for (SkinPart& its : divided.parts) {
@@ -92,10 +93,15 @@ DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, i
     part.parent = its.parent;
     part.to_object = whole.to_object;
     part.pivot = movedTo(whole.pivot, its.pivot);
-    part.rig = std::move(its.rig);
-    if (!its.swept) part.rig.bend = whole.rig.bend;
-    if (part.rig.parent_at >= 0) model.parts[static_cast<std::size_t>(part.parent)].carries = true;
     part.rig_origin = whole.rig_origin;
+    if (const RigDescription* given = model.outer ? model.outer->file.find(part.name) : nullptr) {
+      its.rig = *given;
+      part.rig_origin = model.outer->origin;
+    }
+    part.rig = std::move(its.rig);
+    if (!part.rig.bend) part.rig.bend = its.swept ? Bend::kSweep : whole.rig.bend;
+    if (part.rig.parent_at >= 0 && part.parent >= 0)
+      model.parts[static_cast<std::size_t>(part.parent)].carries = true;
     part.grid = std::move(its.grid);
   }
   // A swept part has room beside its voxels already; more would make it fold sooner.

@@ -50,6 +50,10 @@ void countSkin(const SourceSkin& skin, PartSize& size);
 // Adds how well clips fit to the report, and a notice for those that do not fit well. `frame` is the whole's.
 void reportFits(const DividedSkin& divided, const Frame& frame, Report& report);
 
+// ToolError kInvalid, with the names of the parts there are, if the outer rig has a rig for another part.
+void requireRiggedParts(const SourceModel& model, const ImportSettings& settings,
+                        const std::filesystem::path& input);
+
 // Gives the parts of `pack`, whose names and sizes are set, their knots, in the voxels of their frames, and
 // the pack its clips and sockets. Proves that no clip folds a part; `report` gets a line per clip and part.
 // ToolError for rigs and clips that cannot be.
@@ -66,9 +70,9 @@ RawFog fogLook(const FogGrid& grid, const std::vector<glm::vec3>& ramp);
 // The pack's INFO: tool version, source name and hash, the options that change content, and the other files
 // it was made of by their names beside the source: a hash, or null where one was looked for in vain. Nothing
 // that differs between two bakes of the same input: no place, time or number of threads.
-// `skin`: JSON, what became of a skin; empty: there was none.
-std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume,
-                     const Settings& settings, const FilesUsed& used, const std::string& skin);
+// `pack`: has the places of the model's parts. `skin`: JSON, what became of a skin; empty: there was none.
+std::string makeInfo(const std::filesystem::path& input, const SourceModel& model, const RawPack& pack,
+                     bool volume, const Settings& settings, const FilesUsed& used, const std::string& skin);
 
 // STEM.rig.json, which is taken where no rig is asked for.
 std::filesystem::path rigBeside(const std::filesystem::path& input);

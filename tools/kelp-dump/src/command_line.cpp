@@ -24,7 +24,7 @@ constexpr const char* kExamples =
     "go\n"
     "  kelp-dump verify reed.kelp --deep            recompute clearances, levels, distances; compare\n"
     "  kelp-dump diff old.kelp new.kelp             which parts, voxels, colors, rigs and clips differ\n"
-    "  kelp-dump rig reed.kelp > reed.rig.json      the rig as kelp-bake --rig reads it\n"
+    "  kelp-dump rig reed.kelp > reed.rig.json      its rigs as kelp-bake --rig reads them\n"
     "  kelp-dump extract reed.kelp --vox reed.vox   its voxels for MagicaVoxel; or --vdb, --nvdb, --npy, "
     "--proxy\n"
     "  kelp-dump slice reed.kelp -o layer.png       a layer of voxels as a picture\n"

@@ -119,9 +119,13 @@ bool alike(const PackRig& a, const PackRig& b) {
   });
 }
 
-RigAxes axesOf(const Pack& pack, int index) {
+RigAxes axesOf(const Pack& pack, const RiggedPack& rigged, int index) {
   const Part& part = pack.parts()[static_cast<std::size_t>(index)];
   RigAxes axes;
+  if (rigged.by_part) {
+    axes.axis = rigged.axes[static_cast<std::size_t>(index)];
+    return axes;
+  }
   // The part's directions in the file, each of unit length: units and scales do not turn anything.
   glm::mat3 in_file = glm::transpose(axisRotation(upAxisOf(pack.infoJson()))) * glm::mat3(part.to_object);
   for (int column = 0; column < 3; ++column) in_file[column] = glm::normalize(in_file[column]);
@@ -139,16 +143,9 @@ RigAxes axesOf(const Pack& pack, int index) {
       straight = straight && near(turn[column], glm::mat3(1)[column], kTurned);
     if (!straight) axes.turn = turn;
   }
-  const std::string name = "'" + std::string(part.name) + "'";
-  if (pack.parts().size() > 1) {
-    axes.trouble =
-        "this pack has several parts, and kelp-bake --rig is for one: put the rig into extras.kelp of the "
-        "node " +
-        name;
-  } else if (!rigid) {
-    axes.trouble =
-        "the spline does not run along an axis of the file: put the rig into extras.kelp of the node " + name;
-  }
+  if (!rigid)
+    axes.trouble = "the spline does not run along an axis of the file: put the rig into extras.kelp of the node '" +
+                   std::string(part.name) + "'";
   return axes;
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kelp/formats/pack.h"
-#include "kelp/rig/rig.h"
+#include "kelp/rig/rig_file.h"
 
 namespace kelp::view {
 
@@ -23,14 +23,15 @@ PackRig rigOf(const Pack& pack);
 // True if they look the same: all numbers within 1/10000 of the part's height.
 bool alike(const PackRig& a, const PackRig& b);
 
-// Artists write a rig in the axes of the file. A part may be turned in it.
+// Artists write the rig of a whole file in the axes of the file, in which the part may be turned; the rig of
+// one of several parts in the axes of its node.
 struct RigAxes {
-  Axis axis = Axis::kPlusY;  // along which the spline runs in the file
+  Axis axis = Axis::kPlusY;  // along which the spline runs there
   glm::mat3 turn{1};         // what realizeKnots() gives -> the part's axes; a turn about y
   // empty, or why kelp-bake --rig would bake another pack from this rig
   std::string trouble;
 };
-RigAxes axesOf(const Pack& pack, int part);
+RigAxes axesOf(const Pack& pack, const RiggedPack& rigged, int part);
 
 // The part's rig as an artist would write it: a tangent that follows from the neighbors is left automatic.
 RigDescription describe(const PackRig& rig, int part, const RigAxes& axes);

@@ -27,13 +27,14 @@ RigEditor::RigEditor(const Pack& pack) {
 }
 
 void RigEditor::load(const Pack& pack) {
+  rigged_ = RiggedPack(pack);
   names_ = namesOf(pack);
   sizes_ = sizesOf(pack);
   axes_.clear();
   loaded_.clear();
   const PackRig rig = rigOf(pack);
   for (int part = 0; part < static_cast<int>(pack.parts().size()); ++part) {
-    axes_.push_back(axesOf(pack, part));
+    axes_.push_back(axesOf(pack, rigged_, part));
     loaded_.push_back(describe(rig, part, axes_.back()));
   }
 }

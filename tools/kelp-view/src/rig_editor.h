@@ -15,6 +15,8 @@ class RigEditor {
   const std::string& name(int part) const { return names_[static_cast<std::size_t>(part)]; }
   const RigDescription& rig(int part) const { return now_.rigs[static_cast<std::size_t>(part)]; }
   const RigAxes& axes(int part) const { return axes_[static_cast<std::size_t>(part)]; }
+  // The parts as rig files see them.
+  const RiggedPack& rigged() const { return rigged_; }
   const PackRig& realized() const { return now_.realized; }
   int revision() const { return revision_; }  // changes with every edit
 
@@ -36,7 +38,6 @@ class RigEditor {
   bool unsaved() const;  // any part
   bool unsaved(int part) const { return rig(part) != saved_[static_cast<std::size_t>(part)]; }
   void markSaved(int part) { saved_[static_cast<std::size_t>(part)] = rig(part); }
-  std::string text(int part) const { return printRig(rig(part)); }
 
   // Call it when the pack was baked again: unsaved changes are kept. False: the pack has other parts now, and
   // the changes are lost.
@@ -54,6 +55,7 @@ class RigEditor {
   void remember();  // puts now_ onto the undo stack
   void step(std::vector<State>& from, std::vector<State>& to);
 
+  RiggedPack rigged_;
   std::vector<std::string> names_;  // of the parts
   Sizes sizes_;
   std::vector<RigAxes> axes_;

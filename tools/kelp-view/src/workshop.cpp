@@ -16,7 +16,7 @@ namespace {
 
 bool isPreset(const std::string& rig) {
   const std::vector<std::string> names = presetNames();
-  return std::find(names.begin(), names.end(), rig) != names.end();
+  return rig == "skin" || std::find(names.begin(), names.end(), rig) != names.end();
 }
 
 std::string besideSource(const std::string& source) {

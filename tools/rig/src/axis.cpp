@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "kelp/rig/rig.h"
+#include <algorithm>
+
+#include "kelp/rig/rig_file.h"
 
 namespace kelp {
 
@@ -52,6 +54,21 @@ glm::mat3 axisRotation(Axis axis) {
       return {x, z, -y};
   }
   return {x, y, z};
+}
+
+std::optional<Axis> axisByPlace(const glm::mat4x3& to_object, const glm::mat4x3& pivot) {
+  for (const Axis axis :
+       {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
+    const glm::dmat3 to_file(glm::transpose(axisRotation(axis)));
+    double apart = 0;
+    for (int column = 0; column < 3; ++column) {
+      const glm::dvec3 expected = glm::dmat3(glm::dmat4x3(pivot)) * to_file[column];
+      apart = std::max(
+          apart, glm::distance(glm::normalize(expected), glm::normalize(glm::dvec3(to_object[column]))));
+    }
+    if (apart < 1e-3) return axis;
+  }
+  return std::nullopt;
 }
 
 }  // namespace kelp

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The axes of a part -> the artist's, the inverse of realize_rig.cpp.
-#include "kelp/rig/rig.h"
+#include "kelp/rig/raw_clips.h"
+#include "kelp/rig/rig_file.h"
 #include "sockets.h"
 #include "words.h"
 
@@ -61,6 +62,24 @@ RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, s
   rig.bend = rest.bend;
   rig.roll = rest.roll;
   return rig;
+}
+
+RigFile describeParts(const Pack& pack, const RiggedPack& rigged) {
+  // Of each part alone: a pack may have very many of both.
+  std::vector<std::vector<RawClip>> clips(pack.parts().size());
+  std::vector<std::vector<RawSocket>> sockets(pack.parts().size());
+  for (const RawClip& clip : rawClips(pack))
+    for (auto& [part, share] : splitByPart(clip)) clips[part].push_back(std::move(share));
+  for (RawSocket& socket : rawSockets(pack)) sockets[socket.part].push_back(std::move(socket));
+  RigFile file;
+  file.whole = rigged.skin;
+  for (std::uint32_t i = 0; i < pack.parts().size(); ++i) {
+    const Part& part = pack.parts()[i];
+    if (rigged.skin.skin.empty() || rigged.given[i])
+      file.parts.push_back(
+          {std::string(part.name), describeRig(rawRig(part), clips[i], i, rigged.axes[i], sockets[i])});
+  }
+  return file;
 }
 
 }  // namespace kelp

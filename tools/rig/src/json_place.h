@@ -24,6 +24,9 @@ inline constexpr int kMaxDepth = 16;  // the language itself is five deep
 // RigError for JSON text that is too long or nested too deeply. Call it before parsing.
 void checkJsonBounds(std::string_view text);
 
+// The tree of a text. RigError for text that is no JSON, and for keys that occur twice in one object.
+Json parseJson(std::string_view text);
+
 // Line and column, from 1, of byte `offset` of `text`.
 struct LineColumn {
   std::size_t line = 1;
@@ -55,6 +58,12 @@ glm::vec3 readVec3(const Place& place);
 glm::vec4 readRotation(const Place& place);  // unit quaternion x, y, z, w
 
 const char* kindOf(const Json& json);
+
+// A rig: of a whole file, of a node (extras.kelp), or of a part in the rig file, which divides no skin and
+// needs no version.
+enum class RigPlace { kFile, kNode, kPart };
+RigDescription readRig(const Place& place, RigPlace stands);
+void requireVersion(const Place& place);
 
 // Sockets by name. The rig's axis has been read.
 void readSockets(const Place& place, RigDescription& rig);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// JSON text -> RigDescription: knots and clips; sockets in sockets.cpp, skins in parse_skin.cpp.
+// JSON -> RigDescription: knots and clips; sockets in sockets.cpp, skins in parse_skin.cpp.
 #include <array>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "json_place.h"
@@ -15,7 +14,6 @@ namespace {
 using namespace rig;
 
 constexpr int kLanguageVersion = 1;
-constexpr std::size_t kMaxMembers = 4096;  // of one object; ordered_json searches linearly
 constexpr double kShortestPeriod = 1e-3;   // seconds
 
 int readKnotIndex(const Place& place, std::size_t knots) {
@@ -219,15 +217,26 @@ void readBend(const Place& place, RigDescription& rig) {
   rig.roll = rollOfDegrees(degrees);
 }
 
-RigDescription readRig(const Place& place) {
-  static constexpr std::array<std::string_view, 9> kKeys{"kelp",      "axis", "knots", "clips", "sockets",
-                                                         "parent_at", "bend", "roll",  "skin"};
-  requireObject(place, kKeys);
+}  // namespace
+
+namespace rig {
+
+void requireVersion(const Place& place) {
   const Place version =
       required(place, "kelp", "a rig begins with \"kelp\": 1, the version of the rig language");
   if (!version.json.is_number() || version.json.get<double>() != kLanguageVersion)
     fail(version, "this tool reads version " + std::to_string(kLanguageVersion) +
                       " of the rig language; write \"kelp\": 1, or update kelp if the rig is newer");
+}
+
+RigDescription readRig(const Place& place, RigPlace stands) {
+  static constexpr std::array<std::string_view, 10> kKeys{"kelp",      "axis", "knots", "clips", "sockets",
+                                                          "parent_at", "bend", "roll",  "skin",  "parts"};
+  // "parts" is read in parse_rig_file.cpp.
+  requireObject(place, std::span(kKeys).first(stands == RigPlace::kPart   ? 8
+                                              : stands == RigPlace::kNode ? 9
+                                                                          : 10));
+  if (stands != RigPlace::kPart || place.has("kelp")) requireVersion(place);
   RigDescription rig;
   if (place.has("skin")) {
     for (const auto& member : place.json.items())
@@ -267,70 +276,11 @@ RigDescription readRig(const Place& place) {
   return rig;
 }
 
-// Refuses keys that occur twice in one object (the library would silently keep one of them) and objects with
-// very many keys. This is a pass of its own: with a callback the library goes through the whole array so far
-// at the end of each object in it.
-class MemberCheck : public nlohmann::json_sax<Json> {
- public:
-  bool start_object(std::size_t) override {
-    open_.emplace_back();
-    return true;
-  }
-  bool end_object() override {
-    open_.pop_back();
-    return true;
-  }
-  bool key(std::string& key) override {
-    if (!open_.back().insert(key).second)
-      throw RigError("the key '" + printable(key) + "' stands twice in one object; remove or rename one");
-    if (open_.back().size() > kMaxMembers)
-      throw RigError("an object has more than " + std::to_string(kMaxMembers) +
-                     " keys: is it the right file?");
-    return true;
-  }
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
-  bool number_integer(std::int64_t) override { return true; }
-  bool number_unsigned(std::uint64_t) override { return true; }
-  bool number_float(double, const std::string&) override { return true; }
-  bool string(std::string&) override { return true; }
-  bool binary(Json::binary_t&) override { return true; }
-  bool start_array(std::size_t) override { return true; }
-  bool end_array() override { return true; }
-  // parsing reports this
-  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
-    return false;
-  }
-
- private:
-  std::vector<std::set<std::string>> open_;
-};
-
-// The library's text about a syntax error, without its own names and positions.
-std::string reasonOf(const std::string& what) {
-  std::size_t start = what.rfind("; last read");
-  const std::string head = what.substr(0, start);
-  start = head.find(" - ");
-  return start == std::string::npos ? std::string("syntax error") : printable(head.substr(start + 3));
-}
-
-}  // namespace
+}  // namespace rig
 
 RigDescription parseRig(std::string_view text) {
-  rig::checkJsonBounds(text);
-  Json json;
-  try {
-    MemberCheck check;
-    Json::sax_parse(text, &check);
-    json = Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    const rig::LineColumn at = rig::lineColumn(text, error.byte > 0 ? error.byte - 1 : 0);
-    throw RigError("line " + std::to_string(at.line) + ", column " + std::to_string(at.column) +
-                   ": not valid JSON (" + reasonOf(error.what()) + ")");
-  } catch (const Json::exception&) {
-    throw RigError("a number in the rig is too large; the largest allowed is " + printable(kLargest));
-  }
-  return readRig({json, ""});
+  const Json json = parseJson(text);
+  return readRig({json, ""}, RigPlace::kNode);
 }
 
 }  // namespace kelp

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// RigDescription -> JSON text with one wave or key a line. Numbers are the shortest that read back equal.
+// RigDescription and RigFile -> JSON text with one wave or key a line. Numbers are the shortest that read back equal.
 #include <locale>
 #include <set>
 #include <sstream>
 #include <utility>
 
-#include "kelp/rig/rig.h"
+#include "kelp/rig/rig_file.h"
 #include "words.h"
 
 namespace kelp {
@@ -143,10 +143,9 @@ std::string groupLine(const RigDescription::SkinGroup& group) {
   return line + "}";
 }
 
-}  // namespace
-
-std::string printRig(const RigDescription& rig) {
-  std::vector<std::string> members{"\"kelp\": 1"};
+// All but the version.
+std::vector<std::string> membersOf(const RigDescription& rig) {
+  std::vector<std::string> members;
   if (rig.axis) members.push_back(std::string("\"axis\": \"") + toString(*rig.axis) + "\"");
   if (!rig.knots.empty()) {
     std::vector<std::string> lines;
@@ -171,7 +170,30 @@ std::string printRig(const RigDescription& rig) {
     for (const auto& group : rig.skin) lines.push_back(groupLine(group));
     members.push_back("\"skin\": {\"parts\": [" + join(lines, "    ") + "]}");
   }
+  return members;
+}
+
+std::string fileText(std::vector<std::string> members) {
+  members.insert(members.begin(), "\"kelp\": 1");
   return "{" + join(members, "  ") + "}\n";
+}
+
+}  // namespace
+
+std::string printRig(const RigDescription& rig) { return fileText(membersOf(rig)); }
+
+std::string printRigFile(const RigFile& file) {
+  std::vector<std::string> members = membersOf(file.whole);
+  std::vector<std::string> parts;
+  for (const RigFile::PartRig& part : file.parts) {
+    std::string& text = parts.emplace_back(inQuotes(part.name) + ": {");
+    for (const char c : join(membersOf(part.rig), "  ") + "}") {
+      text += c;
+      if (c == '\n') text += "    ";
+    }
+  }
+  if (!parts.empty()) members.push_back("\"parts\": {" + join(parts, "    ") + "}");
+  return fileText(std::move(members));
 }
 
 }  // namespace kelp

@@ -26,6 +26,11 @@ V automaticSlope(std::size_t i, std::size_t count, const At& at, const Value& va
   return (value(after) - value(before)) / (at(after) - at(before));
 }
 
+// As it is, unless its length is wrong by more than what writing and reading it may cost.
+glm::vec4 unitRotation(const glm::vec4& q) {
+  return std::abs(glm::dot(q, q) - 1) > 1e-5f ? glm::normalize(q) : q;
+}
+
 std::vector<Key> realizeKeys(const RigDescription::Track& track, const glm::mat3& to_part) {
   const std::size_t count = track.keys.size();
   std::vector<Key> keys(count);
@@ -38,7 +43,7 @@ std::vector<Key> realizeKeys(const RigDescription::Track& track, const glm::mat3
     if (track.target == Target::kPartRotation) {
       // q and -q are the same rotation: each key takes the one nearer to its neighbor, so that cubic keys do
       // not pass through zero.
-      value = glm::normalize(value);
+      value = unitRotation(value);
       if (i > 0 && glm::dot(value, keys[i - 1].value) < 0) signs[i] = -1.0f;
       value *= signs[i];
     }
@@ -67,6 +72,12 @@ float durationOf(const RigDescription::Clip& clip) {
 }
 
 }  // namespace
+
+void normalizeRotations(std::vector<RigDescription::Track>& tracks) {
+  for (RigDescription::Track& track : tracks)
+    if (track.target == Target::kPartRotation)
+      for (RigDescription::Key& key : track.keys) key.value = glm::normalize(key.value);
+}
 
 std::vector<Knot> realizeKnots(const RigDescription& rig) {
   const glm::mat3 to_part = axisRotation(rig.axis.value_or(Axis::kPlusY));

@@ -76,7 +76,8 @@ Divided divideAsLabeled(const SkinSamples& samples, const SourceSkin& skin, cons
 
 RigDescription rigOf(const Divided& divided, std::size_t part) {
   RigDescription rig;
-  for (const std::vector<RigDescription::Clip>& of_parts : divided.clips) rig.clips.push_back(of_parts[part]);
+  for (const std::vector<RigDescription::Clip>& of_parts : divided.clips)
+    normalizeRotations(rig.clips.emplace_back(of_parts[part]).tracks);
   rig.parent_at = divided.tree.places[part];
   const std::optional<SkinSweep>& sweep = divided.tree.sweeps[part];
   if (!sweep) return rig;

@@ -6,10 +6,10 @@
 namespace kelp::bake {
 namespace {
 
-RigDescription readRigFile(const InputFiles& files, const std::filesystem::path& path) {
+RigFile readRigFile(const InputFiles& files, const std::filesystem::path& path) {
   const std::vector<std::uint8_t> bytes = files.readFile(path);
   try {
-    return parseRig({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    return parseRigFile({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   } catch (const RigError& error) {
     refuse(Exit::kInvalid, path, "", error.what());
   }
@@ -21,17 +21,7 @@ std::string nameList() {
   return names;
 }
 
-}  // namespace
-
-std::vector<std::string> rigNames() {
-  std::vector<std::string> names = presetNames();
-  names.emplace_back(kSkinRig);
-  return names;
-}
-
-std::string stemOf(const InputFiles& files) { return oneLine(files.input().stem().string(), 80); }
-
-std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettings& settings) {
+std::optional<OuterRig> readOuterRig(const InputFiles& files, const ImportSettings& settings) {
   std::filesystem::path beside = files.input();
   beside.replace_extension(".rig.json");
   std::error_code error;
@@ -52,18 +42,47 @@ std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettin
     const std::string unread = std::filesystem::is_regular_file(beside, error)
                                    ? ", not " + beside.filename().string() + " beside the input"
                                    : "";
-    return OuterRig{*std::move(preset), "preset '" + *settings.rig_preset + "'" + unread};
+    return OuterRig{{*std::move(preset), {}}, "preset '" + *settings.rig_preset + "'" + unread};
   }
   if (!files.isThere(beside)) return std::nullopt;
   return OuterRig{readRigFile(files, beside), beside.filename().string() + " beside the input"};
 }
 
+}  // namespace
+
+std::vector<std::string> rigNames() {
+  std::vector<std::string> names = presetNames();
+  names.emplace_back(kSkinRig);
+  return names;
+}
+
+std::string PartNames::take(const std::string& wanted) {
+  std::string name = wanted;
+  while (!taken_.insert(name).second)
+    name = wanted + "." + std::to_string(++suffix_.try_emplace(wanted, 1).first->second);
+  return name;
+}
+
+std::string stemOf(const InputFiles& files) { return oneLine(files.input().stem().string(), 80); }
+
+std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettings& settings) {
+  std::optional<OuterRig> outer = readOuterRig(files, settings);
+  if (outer && outer->isWhole() && settings.parts == Parts::kNodes)
+    throw ToolError(Exit::kUsage, "--parts nodes: the rig (" + outer->origin +
+                                      ") is one for the whole file; leave --parts out, or give each part its "
+                                      "own by name: {\"kelp\": 1, \"parts\": {\"NAME\": {...}}}");
+  return outer;
+}
+
 void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const ImportSettings& settings) {
-  if (outer && !outer->rig.skin.empty())
+  if (outer && outer->dividesSkin())
     throw ToolError(Exit::kInvalid, "the rig (" + outer->origin + ") divides a skin (\"skin\"), and part '" +
                                         part.name + "' has none: take another rig, or leave it out");
-  if (outer) {
-    part.rig = outer->rig;
+  const RigDescription* const rig = !outer            ? nullptr
+                                    : outer->isWhole() ? &outer->file.whole
+                                                       : outer->file.find(part.name);
+  if (rig) {
+    part.rig = *rig;
     part.rig_origin = outer->origin;
   } else if (part.rig_origin.empty()) {
     part.rig_origin = "straight (no rig found)";

@@ -260,6 +260,7 @@ void addClips(const GltfModel& model, int node, const std::vector<int>& knots, c
     // a pose of one key lasts a second
     const float length = animation.duration > 0 ? animation.duration : 1;
     clip.duration = std::max(clip.duration.value_or(0), length);
+    normalizeRotations(tracks);
     clip.tracks.insert(clip.tracks.end(), tracks.begin(), tracks.end());
   }
 }

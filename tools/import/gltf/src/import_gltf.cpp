@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <new>
 #include <set>
 
@@ -47,39 +46,34 @@ class GltfImporter {
 
   SourceModel import() {
     out_.format = "glTF 2.0";
-    outer_ = findOuterRig(files_, settings_);
+    out_.outer = findOuterRig(files_, settings_);
+    if (out_.outer && out_.outer->isWhole()) whole_ = out_.outer;
     model_ = readGltf(files_, budget_, settings_.scene, out_.notices);
     materials_ = readMaterials(model_, out_);
     animations_ = readAnimations(model_);
     channels_ = indexChannels(animations_);
     for (const GltfAnimation& animation : animations_) used_.emplace_back(animation.channels.size(), false);
     if (settings_.at) poseAt(model_, animations_, *settings_.at);
-    if (outer_ && settings_.parts == Parts::kNodes)
-      throw ToolError(Exit::kUsage, "--parts nodes: the rig (" + outer_->origin +
-                                        ") is one for the whole file; give nodes rigs of their own "
-                                        "(extras.kelp or knots), or leave --parts out");
-
     if (bendsBySkin()) {
       makeSkinned();
     } else {
       makeParts();
     }
     if (out_.parts.empty()) explainEmptiness(model_);
-    uniqueNames();
     if (!settings_.at)
-      noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_ && !dividesSkin());
+      noteUnusedMotion(model_, animations_, used_, settings_.parts, whole_.has_value());
     return std::move(out_);
   }
 
  private:
   // True if the outer rig says into which parts the file's skins are divided.
-  bool dividesSkin() const { return outer_ && !outer_->rig.skin.empty(); }
+  bool dividesSkin() const { return out_.outer && out_.outer->dividesSkin(); }
 
   // True if the file's skins are its rig: asked for, or the file has no other.
   bool bendsBySkin() const {
     const bool asked = dividesSkin() || settings_.rig_preset == kSkinRig, skins = hasSkins(model_);
     if (!asked) {
-      if (!skins || outer_ || settings_.at || settings_.parts != Parts::kOne) return false;
+      if (!skins || whole_ || settings_.at || settings_.parts != Parts::kOne) return false;
       const std::vector<PartPlan> plans = planByRigs(model_, false);
       if (plans.size() != 1 || plans[0].rig || !plans[0].knots.empty()) return false;
       if (movesJoints(model_, animations_)) return true;
@@ -89,7 +83,8 @@ class GltfImporter {
             "a part of each joint all the same");
       return false;
     }
-    const std::string rig = dividesSkin() ? "the rig (" + outer_->origin + ") divides a skin" : "--rig skin";
+    const std::string rig =
+        dividesSkin() ? "the rig (" + out_.outer->origin + ") divides a skin" : "--rig skin";
     if (!skins)
       throw ToolError(dividesSkin() ? Exit::kInvalid : Exit::kUsage,
                       rig + ": " + files_.input().filename().string() +
@@ -134,8 +129,8 @@ class GltfImporter {
       }
       if (part.soup.triangles.empty()) return;
       part.to_object = part.pivot = toAffine(space);
-      part.rig_origin = outer_ ? outer_->origin : "skin";
-      if (outer_) part.rig.skin = outer_->rig.skin;
+      part.rig_origin = dividesSkin() ? out_.outer->origin : "skin";
+      if (dividesSkin()) part.rig.skin = out_.outer->file.whole.skin;
       part.skin = skins.take(space, animations_, used_);
       out_.parts.push_back(std::move(part));
       if (!settings_.keep_culled) removeCulled(out_);
@@ -146,7 +141,7 @@ class GltfImporter {
   void makeParts() {
     const std::vector<PartPlan> plans = settings_.parts == Parts::kNodes
                                             ? planByNodes(model_, animations_)
-                                            : planByRigs(model_, outer_.has_value());
+                                            : planByRigs(model_, whole_.has_value());
     checkPartCount(files_, plans.size(), "meshes");
     std::vector<int> part_of(plans.size(), -1);
     for (std::size_t p = 0; p < plans.size(); ++p) {
@@ -164,6 +159,7 @@ class GltfImporter {
     for (SourcePart& part : out_.parts)
       if (part.soup.triangles.empty()) makeEmpty(part);
     dropLoneParts();
+    giveRigsByName();
     hangEmptyParts();
   }
 
@@ -216,7 +212,7 @@ class GltfImporter {
         addClips(model_, mover, {}, part.soup, part.name, animations_, channels_, used_, part.rig);
     }
     if (!part.isEmpty()) {
-      giveRig(part, outer_, settings_);
+      giveRig(part, whole_, settings_);
       addSockets(model_, plan.sockets, space, part);
     }
     return part;
@@ -350,13 +346,19 @@ class GltfImporter {
     addClips(model_, mover, knots, part.soup, part.name, animations_, channels_, used_, part.rig);
   }
 
-  void uniqueNames() {
-    std::set<std::string> taken;
-    std::map<std::string, int> suffix;  // the last one tried
+  // Makes the names of parts unique, and gives parts the rigs that the outer file has for them.
+  void giveRigsByName() {
+    PartNames names;
     for (SourcePart& part : out_.parts) {
-      const std::string wanted = part.name;
-      while (!taken.insert(part.name).second)
-        part.name = wanted + "." + std::to_string(++suffix.try_emplace(wanted, 1).first->second);
+      part.name = names.take(part.name);
+      const RigDescription* const rig = out_.outer ? out_.outer->file.find(part.name) : nullptr;
+      if (!rig) continue;
+      if (part.isEmpty()) {  // no axis that settings could name
+        part.rig = *rig;
+        part.rig_origin = out_.outer->origin;
+      } else {
+        giveRig(part, out_.outer, settings_);
+      }
     }
   }
 
@@ -364,7 +366,7 @@ class GltfImporter {
   const ImportSettings& settings_;
   DataBudget budget_;
   SourceModel out_;
-  std::optional<OuterRig> outer_;
+  std::optional<OuterRig> whole_;  // the outer rig, if it is that of the whole file
   GltfModel model_;
   std::vector<GltfMaterialUse> materials_;
   std::vector<GltfAnimation> animations_;

@@ -83,7 +83,7 @@ void noteDropped(const SoupBuilder& soup, SourceModel& out) {
 SourceModel readMesh(const InputFiles& files, const ImportSettings& settings) {
   const std::string extension = lowerExtension(files.input());
   SourceModel out;
-  const std::optional<OuterRig> outer = findOuterRig(files, settings);
+  out.outer = findOuterRig(files, settings);
   const std::vector<std::uint8_t> content = files.readInput();
   const std::span<const std::uint8_t> bytes = withoutMark(content);
   checkContent(files, bytes, extension);
@@ -108,7 +108,7 @@ SourceModel readMesh(const InputFiles& files, const ImportSettings& settings) {
   part.name = stemOf(files);
   part.to_object[3] = glm::vec3(soup.origin());
   part.soup = soup.take();
-  giveRig(part, outer, settings);
+  giveRig(part, out.outer, settings);
   out.parts.push_back(std::move(part));
   return out;
 }

@@ -31,7 +31,8 @@ class VolumeImport {
     model_.format = file_.format;
     model_.notices = std::move(file_.notices);
     part_.name = stemOf(files_);
-    giveRig(part_, findOuterRig(files_, settings_), settings_);
+    model_.outer = findOuterRig(files_, settings_);
+    giveRig(part_, model_.outer, settings_);
     const VolumeChoice choice = chooseGrids(files_, file_.grids, settings_);
     const GridHeader& header = file_.grids[choice.grid];
     grid_ = load(choice.grid);

@@ -108,12 +108,12 @@ SourceModel importBinvox(const std::filesystem::path& path, const ImportSettings
   SourceModel out;
   out.format = "binvox";
   out.materials.push_back({});
-  const std::optional<OuterRig> outer = findOuterRig(files, settings);
+  out.outer = findOuterRig(files, settings);
   const std::vector<std::uint8_t> bytes = files.readInput();
   const Binvox box = readHeader(files, bytes);
   SourcePart& part = out.parts.emplace_back();
   part.name = stemOf(files);
-  giveRig(part, outer, settings);
+  giveRig(part, out.outer, settings);
 
   const VoxelTurn to_rig = turnOf(part.rig.axis.value_or(Axis::kPlusY));
   VoxelBox bounds;

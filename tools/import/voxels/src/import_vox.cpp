@@ -45,10 +45,8 @@ class VoxImporter {
       refuse(Exit::kUsage, files_.input(), "--resolution " + std::to_string(settings_.resolution),
              "MagicaVoxel models are baked voxel by voxel; leave the option out (--voxel-size says how large "
              "a voxel is)");
-    const std::optional<OuterRig> outer = findOuterRig(files_, settings_);
-    if (outer && settings_.parts == Parts::kNodes)
-      throw ToolError(Exit::kUsage, "--parts nodes: the rig (" + outer->origin +
-                                        ") is one for the whole file; leave one of the two out");
+    SourceModel out;
+    out.outer = findOuterRig(files_, settings_);
     const std::vector<std::uint8_t> bytes = files_.readInput();
     file_ = readVoxFile(files_, bytes);
     VoxScene scene = arrangeVox(files_, file_, settings_.frame);
@@ -60,7 +58,6 @@ class VoxImporter {
              "has no voxel; there is nothing to bake: save a model that has some");
     countVoxels(scene);
 
-    SourceModel out;
     out.format = "MagicaVoxel";
     out.up = Axis::kPlusZ;
     out.materials.push_back({});
@@ -76,11 +73,13 @@ class VoxImporter {
 
     const std::span<const VoxInstance> all(scene.instances);
     if (settings_.parts == Parts::kOne) {
-      out.parts.push_back(makePart(all, stemOf(files_), outer));
+      out.parts.push_back(makePart(all, stemOf(files_), out.outer));
     } else {
       checkPartCount(files_, all.size(), "objects");
+      PartNames names;
       for (std::size_t i = 0; i < all.size(); ++i) {
-        SourcePart& part = out.parts.emplace_back(makePart(all.subspan(i, 1), all[i].name, outer));
+        SourcePart& part =
+            out.parts.emplace_back(makePart(all.subspan(i, 1), names.take(all[i].name), out.outer));
         part.pivot[3] = glm::vec3(all[i].shift) * static_cast<float>(scale());
       }
     }

@@ -9,7 +9,7 @@
 #include "kelp/common/console.h"
 #include "kelp/common/output_file.h"
 #include "kelp/common/srgb.h"
-#include "kelp/rig/rig.h"
+#include "kelp/rig/rig_file.h"
 #include "pack/pack_file.h"
 #include "text/text.h"
 
@@ -34,6 +34,7 @@ bool bends(const Pack& pack, std::uint32_t part) {
 void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& parts,
               const glm::dmat3& file_to_object) {
   const Pack& pack = request.file.pack();
+  const RiggedPack rigged(pack);
   for (const std::uint32_t index : parts) {
     if (!bends(pack, index)) continue;
     const glm::dmat3 part_to_object(glm::dmat4x3(request.part(index).to_object));
@@ -47,7 +48,7 @@ void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& p
       // kelp-bake makes the part's axes of the file's by this rotation.
       const glm::dmat3 apart = file_to_object - part_to_object / edge * glm::dmat3(axisRotation(axis));
       if (std::max({glm::length(apart[0]), glm::length(apart[1]), glm::length(apart[2])}) > 1e-3) continue;
-      text = axis == bakedAxis(request.part(index)).value_or(Axis::kPlusY)
+      text = axis == rigged.axes[index]
                  ? ""
                  : fmt::format("bake {} with the rig that kelp-dump rig --part {} --axis {} prints", it,
                                index, toString(axis));

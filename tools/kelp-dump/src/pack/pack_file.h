@@ -8,7 +8,6 @@
 
 #include "kelp/common/error.h"
 #include "kelp/formats/pack.h"
-#include "kelp/rig/rig.h"
 
 namespace kelp::dump {
 
@@ -46,9 +45,5 @@ class PackFile {
   FileSource file_;
   std::optional<Pack> pack_;
 };
-
-// The axis of the part's file (or node) along which it was baked, found from its voxels' rotation against its
-// pivot. Nothing if the pivot is rotated too, or skewed.
-std::optional<Axis> bakedAxis(const Part& part);
 
 }  // namespace kelp::dump

@@ -110,7 +110,7 @@ void Application::frame() {
   drawPanel(stage_, choices_, under_mouse_, status_);
   if (editor_ && choices_.edit) {
     drawRigPanel(panel_, *editor_, choices_.seconds, [this] { save(panel_.part); });
-    if (panel_.path.empty()) panel_.path = defaultPath(panel_.part);
+    if (panel_.path.empty()) panel_.path = defaultPath();
     if (panel_.closed) choices_.edit = false;
   }
   askToSave();
@@ -177,7 +177,7 @@ void Application::useMouse(const glm::vec2& mouse) {
   if (near_ && ImGui::IsMouseClicked(0)) {
     held_ = near_;
     grip_ = mouse - camera_.project(position(*model, *held_)).value_or(mouse);
-    showInEditor(held_->part);
+    panel_.part = held_->part;
   } else if (ImGui::IsMouseDown(0)) {
     camera_.orbit(moved);
   } else if (ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2)) {

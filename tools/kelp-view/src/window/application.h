@@ -47,9 +47,6 @@ class Application {
   void fitCamera();
   void useKeys();
   void useMouse(const glm::vec2& mouse);
-  void showInEditor(int part) {
-    if (panel_.part != part) panel_.part = part, panel_.path.clear();
-  }
 
   void watch(double now);
   void reload();        // reads the pack again while the old one is shown
@@ -57,7 +54,7 @@ class Application {
   void useEditor();     // opens the editor, and shows what it has changed
   void showRig();       // the editor's rig
   void playAlone(const std::string& clip);
-  std::string defaultPath(int part) const;
+  std::string defaultPath() const;
   bool save(int part);
   void ask(Ask what);
   void askToSave();

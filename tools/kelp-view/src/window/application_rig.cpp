@@ -10,21 +10,10 @@
 #include <filesystem>
 #include <utility>
 
-#include "kelp/common/output_file.h"
+#include "save_rig.h"
 #include "window/messages.h"
 
 namespace kelp::view {
-namespace {
-
-// A part's name as a piece of a file's name.
-std::string forFile(std::string name) {
-  for (char& c : name) {
-    if (c == '/' || c == '\\' || static_cast<unsigned char>(c) <= ' ') c = '_';
-  }
-  return name;
-}
-
-}  // namespace
 
 bool Application::mayClose() {
   if (!unsaved()) return true;
@@ -44,7 +33,7 @@ void Application::useEditor() {
       editor_.emplace(stage_.model()->original());
       shown_revision_ = editor_->revision();
       stage_.model()->forgetEdits();
-      panel_.path = defaultPath(panel_.part);
+      panel_.path = defaultPath();
     } catch (const RigError& error) {
       status_.wrong = pack_ + ": the rig cannot be edited: " + error.what();
       choices_.edit = false;
@@ -78,20 +67,15 @@ void Application::playAlone(const std::string& clip) {
   choices_.play = true;
 }
 
-std::string Application::defaultPath(int part) const {
-  const std::filesystem::path pack(pack_);
-  if (editor_->parts() > 1)
-    return std::filesystem::path(pack).replace_extension("." + forFile(editor_->name(part)) + ".rig.json");
-  if (workshop_ && editor_->axes(part).trouble.empty()) return workshop_->rigPath();
-  return std::filesystem::path(pack).replace_extension(".rig.json");
+std::string Application::defaultPath() const {
+  if (workshop_ && editor_->axes(0).trouble.empty()) return workshop_->rigPath();
+  return std::filesystem::path(pack_).replace_extension(".rig.json");
 }
 
 bool Application::save(int part) {
-  const std::string path = part == panel_.part && !panel_.path.empty() ? panel_.path : defaultPath(part);
+  const std::string path = panel_.path.empty() ? defaultPath() : panel_.path;
   try {
-    OutputFile file(path);
-    file.write(editor_->text(part));
-    file.commit();
+    saveRig(path, *editor_, part);
     panel_.refused = false;
   } catch (const ToolError& error) {
     panel_.said = error.what();
@@ -118,7 +102,7 @@ void Application::askToSave() {
   ImGui::SetNextWindowPos({screen.x / 2, screen.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove))
     return;
-  ImGui::Text("Save it to %s?", (panel_.path.empty() ? defaultPath(panel_.part) : panel_.path).c_str());
+  ImGui::Text("Save it to %s?", (panel_.path.empty() ? defaultPath() : panel_.path).c_str());
   if (panel_.refused) ImGui::TextColored({1, 0.45f, 0.4f, 1}, "%s", panel_.said.c_str());
   const bool yes = ImGui::Button("Save");
   ImGui::SameLine();

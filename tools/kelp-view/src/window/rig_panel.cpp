@@ -20,7 +20,7 @@ void drawHead(RigPanel& panel, RigEditor& editor, const std::function<void()>& s
     if (ImGui::BeginCombo("part", editor.name(panel.part).c_str())) {
       for (int i = 0; i < editor.parts(); ++i) {
         if (ImGui::Selectable((editor.name(i) + "##" + std::to_string(i)).c_str(), i == panel.part))
-          panel.part = i, panel.path.clear();
+          panel.part = i;
       }
       ImGui::EndCombo();
     }
@@ -42,7 +42,7 @@ void drawHead(RigPanel& panel, RigEditor& editor, const std::function<void()>& s
   std::snprintf(path, sizeof path, "%s", panel.path.c_str());
   ImGui::SetNextItemWidth(-1);
   if (ImGui::InputText("##path", path, sizeof path)) panel.path = path;
-  tip("The file that Save rig writes, for kelp-bake --rig.");
+  tip("The file that Save rig writes, for kelp-bake --rig. It keeps the rigs of other parts.");
 }
 
 }  // namespace
@@ -64,8 +64,9 @@ void drawRigPanel(RigPanel& panel, RigEditor& editor, double now, const std::fun
     Draft draft{editor.rig(panel.part)};
     drawBend(draft);
     if (ImGui::CollapsingHeader("Knots", ImGuiTreeNodeFlags_DefaultOpen)) {
-      ImGui::TextDisabled("along %s of the file, 1 = its length there",
-                          kAxes[static_cast<int>(draft.rig.axis.value_or(Axis::kPlusY))]);
+      ImGui::TextDisabled("along %s of the %s, 1 = its length there",
+                          kAxes[static_cast<int>(draft.rig.axis.value_or(Axis::kPlusY))],
+                          editor.rigged().by_part ? "part's node" : "file");
       for (int knot = 0; knot < static_cast<int>(draft.rig.knots.size()); ++knot) drawKnot(draft, knot);
     }
     if (ImGui::CollapsingHeader("Sockets")) drawSockets(draft);

@@ -139,6 +139,9 @@ void checkRest(const RawRig& rest, const glm::ivec3& size);
 // several parts that have the same name.
 std::vector<RawClip> realizeClips(const RigDescription& rig, std::uint32_t part);
 void mergeClips(std::vector<RawClip>& into, std::vector<RawClip> clips);
+// Makes computed rotations as nearly unit as floats can be. realizeClips leaves such as they are, so that a
+// rig that is printed and read again stays the same.
+void normalizeRotations(std::vector<RigDescription::Track>& tracks);
 // The sockets, in the axes of the part `part`. RigError for an offset that is not across the axis.
 std::vector<RawSocket> realizeSockets(const RigDescription& rig, std::uint32_t part);
 // The pairs (part, what the clip does to it) for all parts that the clip moves, ascending; each has the

@@ -3,7 +3,9 @@
 // STEM.rig.json beside the input.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,19 +15,26 @@
 
 namespace kelp::bake {
 
-struct OuterRig {
-  RigDescription rig;
-  std::string origin;
-};
 // The values of --rig that are no files: the presets, and kSkinRig.
 std::vector<std::string> rigNames();
 
+// For SourceModel::outer. ToolError kUsage for the rig of a whole file where nodes are parts.
 std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettings& settings);
 
-// Gives a part without a rig of its own the outer rig, or the straight one. A rig that names no axis gets
-// that of the settings. ToolError kUsage if it names another axis than the settings, kInvalid if it divides a
-// skin.
+// Gives a part the outer rig, or the one that the outer file has for a part of its name; else a part without
+// a rig of its own gets the straight one. A rig that names no axis gets that of the settings. ToolError
+// kUsage if it names another axis than the settings, kInvalid if it divides a skin.
 void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const ImportSettings& settings);
+
+// Names of parts, each one different: "arm", "arm.2".
+class PartNames {
+ public:
+  std::string take(const std::string& wanted);
+
+ private:
+  std::set<std::string> taken_;
+  std::map<std::string, int> suffix_;  // the last one tried
+};
 
 // The input's name without folder and extension: the name of its main part.
 std::string stemOf(const InputFiles& files);

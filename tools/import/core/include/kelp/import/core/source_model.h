@@ -11,7 +11,7 @@
 #include <glm/glm.hpp>
 
 #include "kelp/import/core/memory_estimate.h"
-#include "kelp/rig/rig.h"
+#include "kelp/rig/rig_file.h"
 
 namespace kelp::bake {
 
@@ -164,9 +164,20 @@ struct SourcePart {
   const glm::mat4x3& volumeToNode() const { return grid ? grid->to_node : fog->to_node; }
 };
 
+// The rig from outside the model's own file.
+struct OuterRig {
+  RigFile file;
+  std::string origin;  // "hero.rig.json beside the input"
+
+  bool isWhole() const { return file.parts.empty() && file.whole.skin.empty(); }
+  bool dividesSkin() const { return !file.whole.skin.empty(); }
+};
+
 struct SourceModel {
   std::string format;  // "glTF 2.0", "OBJ", "OpenVDB", ...
   std::vector<SourcePart> parts;
+  // Its rigs of parts have been given, but those of a skin, which is not divided yet.
+  std::optional<OuterRig> outer;
   std::vector<SurfaceMaterial> materials;  // at least one
   // for files that are painted by index: the pack's palette, in this order, at most 256; empty: the baker
   // chooses
@@ -177,6 +188,9 @@ struct SourceModel {
   Axis up = Axis::kPlusY;  // the axis that points up in this format, unless the user gives another
   std::vector<Image> images;
   std::vector<std::string> notices;  // what was skipped or repaired; one line each, for the user
+
+  // The format has nodes, of which Parts::kNodes makes parts.
+  bool hasNodes() const { return format == "MagicaVoxel" || format.starts_with("glTF"); }
 };
 
 }  // namespace kelp::bake

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// The content of a rig file (*.rig.json): one rig, or the rigs of parts by name.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kelp/formats/pack.h"
+#include "kelp/rig/rig.h"
+
+namespace kelp {
+
+struct RigFile {
+  struct PartRig {
+    std::string name;    // of the part
+    RigDescription rig;  // in the axes of the part's node
+    bool operator==(const PartRig&) const = default;
+  };
+  RigDescription whole;        // of the whole file; says nothing but `skin` if there are `parts`
+  std::vector<PartRig> parts;  // no name twice
+  bool operator==(const RigFile&) const = default;
+
+  // The rig of the part of this name; null if there is none.
+  const RigDescription* find(std::string_view part) const;
+};
+
+// As parseRig and printRig.
+RigFile parseRigFile(std::string_view text);
+std::string printRigFile(const RigFile& file);
+
+// The axis, in the axes of the part's node, along which a part was baked: by its voxels' rotation against its
+// pivot. Nothing if the pivot is rotated otherwise, or skewed.
+std::optional<Axis> axisByPlace(const glm::mat4x3& to_object, const glm::mat4x3& pivot);
+
+// A pack as rig files see it, by its INFO, which may be hostile.
+struct RiggedPack {
+  RiggedPack() = default;
+  explicit RiggedPack(const Pack& pack);
+
+  // The rig file has a rig for each part: there are several, or kelp-bake was asked for parts of nodes.
+  bool by_part = false;
+  std::vector<Axis> axes;  // of each part, in the axes of its node
+  // Of a pack made from a skin: the rig that divides it, and which parts have a rig from the rig file.
+  // `skin_problem`: why there is none although INFO describes a skin.
+  RigDescription skin;
+  std::vector<bool> given;
+  bool skin_asked = false;  // by --rig skin
+  std::string skin_problem;
+};
+
+// The rig file that bakes a pack of several parts again: of a skin, how it is divided and the rigs that are
+// not made of it; else the rigs of all parts.
+RigFile describeParts(const Pack& pack, const RiggedPack& rigged);
+
+}  // namespace kelp
