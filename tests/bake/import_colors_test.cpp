@@ -9,19 +9,19 @@ namespace kelp::bake::test {
 namespace {
 
 using Rgb = std::array<int, 3>;
-constexpr Rgb kRed = {255, 32, 32}, kBlue = {32, 64, 255};
+constexpr Rgb kFirst = {255, 32, 32}, kSecond = {32, 64, 255};
 const std::set<std::string> kBoth = {"#2040ff", "#ff2020"};
 
-const Rgb& colorOf(int corner) { return TwoBoxes::isSecond(corner) ? kBlue : kRed; }
+const Rgb& colorOf(int corner) { return TwoBoxes::isSecond(corner) ? kSecond : kFirst; }
 
-std::string vertices(const std::function<std::string(int)>& more, int first = 0, int end = TwoBoxes::kCorners,
-                     const std::string& key = "v ") {
+std::string vertexLines(const std::function<std::string(int)>& more, int first = 0,
+                        int end = TwoBoxes::kCorners, const std::string& key = "v ") {
   std::string out;
   for (int i = first; i < end; ++i) out += key + TwoBoxes::text(i) + more(i) + "\n";
   return out;
 }
-std::string faces(std::size_t first = 0, std::size_t end = TwoBoxes::kFaces.size(),
-                  const std::string& key = "f", int base = 1) {
+std::string faceLines(std::size_t first = 0, std::size_t end = TwoBoxes::kFaces.size(),
+                      const std::string& key = "f", int base = 1) {
   std::string out;
   for (std::size_t f = first; f < end; ++f) {
     out += key;
@@ -30,10 +30,10 @@ std::string faces(std::size_t first = 0, std::size_t end = TwoBoxes::kFaces.size
   }
   return out;
 }
-std::string none(int) { return {}; }
+std::string uncolored(int) { return {}; }
 
 // Colors MMRRGGBB of some corners, so many a line.
-std::string paint(int first, int end, int most = 64, const char* format = "{:02x}{:02x}{:02x}{:02x}") {
+std::string paintLines(int first, int end, int most = 64, const char* format = "{:02x}{:02x}{:02x}{:02x}") {
   std::string out;
   for (int i = first; i < end; ++i) {
     if ((i - first) % most == 0) out += out.empty() ? "#MRGB " : "\n#MRGB ";
@@ -60,12 +60,12 @@ std::vector<std::string> cornerColors(const SourceModel& model) {
   }
   return out;
 }
-std::vector<std::string> halves(const std::string& first, const std::string& second) {
+std::vector<std::string> byBox(const std::string& first, const std::string& second) {
   std::vector<std::string> out(8, first);
   out.resize(16, second);
   return out;
 }
-const std::vector<std::string> kPainted = halves("#ff2020", "#2040ff");
+const std::vector<std::string> kPainted = byBox("#ff2020", "#2040ff");
 
 TEST(ImportColors, OfZBrushAreRead) {
   const Scratch scratch;
@@ -75,12 +75,13 @@ TEST(ImportColors, OfZBrushAreRead) {
     EXPECT_TRUE(report.notices.empty()) << report.notices.front();
     return colorsOf(pack);
   };
-  EXPECT_EQ(palette("# File exported by ZBrush version 2021.6\n#Vertex Count 16\n" + vertices(none) +
-                    "# The following MRGB block contains ZBrush Vertex Color\n" + paint(0, 16) +
-                    "# End of MRGB block\ng default\n" + faces()),
+  EXPECT_EQ(palette("# File exported by ZBrush version 2021.6\n#Vertex Count 16\n" + vertexLines(uncolored) +
+                    "# The following MRGB block contains ZBrush Vertex Color\n" + paintLines(0, 16) +
+                    "# End of MRGB block\ng default\n" + faceLines()),
             kBoth);
   // Several lines, capital letters, spaces, and the colors last.
-  EXPECT_EQ(palette(vertices(none) + faces() + paint(0, 16, 5, "{:02X}{:02X}{:02X}{:02X} ")), kBoth);
+  EXPECT_EQ(palette(vertexLines(uncolored) + faceLines() + paintLines(0, 16, 5, "{:02X}{:02X}{:02X}{:02X} ")),
+            kBoth);
 }
 
 TEST(ImportColors, OfZBrushBelongToTheirBlock) {
@@ -90,16 +91,16 @@ TEST(ImportColors, OfZBrushBelongToTheirBlock) {
     EXPECT_EQ(model.notices.size(), notices) << text;
     return cornerColors(model);
   };
-  const std::string a = vertices(none, 0, 8), b = vertices(none, 8, 16), fa = faces(0, 12),
-                    fb = faces(12, 24);
-  EXPECT_EQ(colors(a + paint(0, 8) + fa + b + paint(8, 16, 3) + fb, 0), kPainted);
-  EXPECT_EQ(colors(a + fa + b + fb + paint(0, 16), 0), kPainted);
-  EXPECT_EQ(colors(paint(0, 8) + a + fa + b + fb + paint(8, 16), 0), kPainted);
-  EXPECT_EQ(colors(a + fa + b + paint(8, 16) + fb, 1), halves("#ffffff", "#2040ff"));
-  EXPECT_EQ(colors(a + paint(0, 8) + fa + b + fb, 1), halves("#ff2020", "#ffffff"));
-  EXPECT_EQ(colors(a + paint(0, 8) + paint(0, 8) + paint(0, 8) + fa + b + fb, 1),
-            halves("#ff2020", "#ff2020"));
-  EXPECT_EQ(colors(a + b + paint(0, 16) + "#MRGB ff12345\n" + fa + fb, 1), kPainted);
+  const std::string a = vertexLines(uncolored, 0, 8), b = vertexLines(uncolored, 8, 16),
+                    fa = faceLines(0, 12), fb = faceLines(12, 24);
+  EXPECT_EQ(colors(a + paintLines(0, 8) + fa + b + paintLines(8, 16, 3) + fb, 0), kPainted);
+  EXPECT_EQ(colors(a + fa + b + fb + paintLines(0, 16), 0), kPainted);
+  EXPECT_EQ(colors(paintLines(0, 8) + a + fa + b + fb + paintLines(8, 16), 0), kPainted);
+  EXPECT_EQ(colors(a + fa + b + paintLines(8, 16) + fb, 1), byBox("#ffffff", "#2040ff"));
+  EXPECT_EQ(colors(a + paintLines(0, 8) + fa + b + fb, 1), byBox("#ff2020", "#ffffff"));
+  EXPECT_EQ(colors(a + paintLines(0, 8) + paintLines(0, 8) + paintLines(0, 8) + fa + b + fb, 1),
+            byBox("#ff2020", "#ff2020"));
+  EXPECT_EQ(colors(a + b + paintLines(0, 16) + "#MRGB ff12345\n" + fa + fb, 1), kPainted);
   EXPECT_EQ(colors(a + b + "#MRGB\n#MRGBA 12345678\n" + fa + fb, 0), std::vector<std::string>(16));
 }
 
@@ -107,11 +108,11 @@ TEST(ImportColors, OfObjMayBeFractionsOrBytes) {
   const Scratch scratch;
   const auto colors = [&](const char* format, double full, std::size_t notices) {
     const SourceModel model =
-        importFile(scratch.write("a.obj", vertices([&](int i) {
+        importFile(scratch.write("a.obj", vertexLines([&](int i) {
                                             const Rgb& c = colorOf(i);
                                             return fmt::format(fmt::runtime(format), c[0] / full, c[1] / full,
                                                                c[2] / full);
-                                          }) + faces()),
+                                          }) + faceLines()),
                    {});
     EXPECT_EQ(model.notices.size(), notices) << format;
     return cornerColors(model);
@@ -129,17 +130,17 @@ TEST(ImportColors, OfObjMayBeFractionsOrBytes) {
 TEST(ImportColors, OfLinesThatAreNotKnownAreNamed) {
   const Scratch scratch;
   const SourceModel model =
-      importFile(scratch.write("a.obj", vertices(none) + "vc 1 0 0\nvc 1 0 0\n" + faces()), {});
+      importFile(scratch.write("a.obj", vertexLines(uncolored) + "vc 1 0 0\nvc 1 0 0\n" + faceLines()), {});
   EXPECT_TRUE(anyContains(model.notices, "2 lines of unknown kind are skipped, the first begins with 'vc'"));
 }
 
 // A text PLY whose vertices have these properties.
-std::string ply(const std::vector<std::string>& properties, const std::function<std::string(int)>& more) {
+std::string plyOf(const std::vector<std::string>& properties, const std::function<std::string(int)>& more) {
   std::string head =
       "ply\nformat ascii 1.0\nelement vertex 16\nproperty float x\nproperty float y\nproperty float z\n";
   for (const std::string& property : properties) head += "property " + property + "\n";
   return head + "element face 24\nproperty list uchar int vertex_indices\nend_header\n" +
-         vertices(more, 0, 16, "") + faces(0, 24, "3", 0);
+         vertexLines(more, 0, 16, "") + faceLines(0, 24, "3", 0);
 }
 
 TEST(ImportColors, OfPlyHaveManyNames) {
@@ -158,16 +159,16 @@ TEST(ImportColors, OfPlyHaveManyNames) {
     EXPECT_TRUE(report.notices.empty()) << report.notices.front();
     return colorsOf(pack);
   };
-  EXPECT_EQ(palette(ply({"uchar r", "uchar g", "uchar b"}, whole)), kBoth);
-  EXPECT_EQ(palette(ply({"float r", "float g", "float b", "float a"}, fractions)), kBoth);
-  EXPECT_EQ(palette(ply({"uint8 diffuse_red", "uint8 diffuse_green", "uint8 diffuse_blue"}, whole)), kBoth);
-  EXPECT_EQ(palette(ply({"double Red", "double Green", "double Blue", "double Alpha"}, fractions)), kBoth);
+  EXPECT_EQ(palette(plyOf({"uchar r", "uchar g", "uchar b"}, whole)), kBoth);
+  EXPECT_EQ(palette(plyOf({"float r", "float g", "float b", "float a"}, fractions)), kBoth);
+  EXPECT_EQ(palette(plyOf({"uint8 diffuse_red", "uint8 diffuse_green", "uint8 diffuse_blue"}, whole)), kBoth);
+  EXPECT_EQ(palette(plyOf({"double Red", "double Green", "double Blue", "double Alpha"}, fractions)), kBoth);
   // The better name counts, wherever it stands; a radius is no color.
-  const SourceModel model =
-      importFile(scratch.write("a.ply", ply({"float r", "uchar ambient_red", "uchar ambient_green",
-                                             "uchar ambient_blue", "uchar red", "uchar green", "uchar blue"},
-                                            [&](int i) { return " 0.5 1 2 3" + whole(i); })),
-                 {});
+  const SourceModel model = importFile(
+      scratch.write("a.ply", plyOf({"float r", "uchar ambient_red", "uchar ambient_green",
+                                    "uchar ambient_blue", "uchar red", "uchar green", "uchar blue"},
+                                   [&](int i) { return " 0.5 1 2 3" + whole(i); })),
+      {});
   EXPECT_EQ(cornerColors(model), kPainted);
   EXPECT_TRUE(model.notices.empty()) << model.notices.front();
 }
@@ -175,14 +176,14 @@ TEST(ImportColors, OfPlyHaveManyNames) {
 TEST(ImportColors, OfPlyHaveTheScaleOfTheirNumbers) {
   const Scratch scratch;
   const auto colors = [&](const std::string& type, double scale, std::size_t notices) {
-    const SourceModel model =
-        importFile(scratch.write("a.ply", ply({type + " red", type + " green", type + " blue", "float alpha"},
-                                              [&](int i) {
-                                                const Rgb& c = colorOf(i);
-                                                return fmt::format(" {} {} {} 0.5", c[0] * scale,
-                                                                   c[1] * scale, c[2] * scale);
-                                              })),
-                   {});
+    const SourceModel model = importFile(
+        scratch.write("a.ply", plyOf({type + " red", type + " green", type + " blue", "float alpha"},
+                                     [&](int i) {
+                                       const Rgb& c = colorOf(i);
+                                       return fmt::format(" {} {} {} 0.5", c[0] * scale, c[1] * scale,
+                                                          c[2] * scale);
+                                     })),
+        {});
     EXPECT_EQ(model.notices.size(), notices) << type << ", " << scale;
     EXPECT_EQ(model.parts[0].soup.colors.at(0)[0].a, 0.5f);
     return cornerColors(model);
@@ -225,7 +226,8 @@ TEST(ImportColors, OfPlyFacesAreReadAlike) {
 TEST(ImportColors, OfPlyThatAreNotReadAreNamed) {
   const Scratch scratch;
   const auto notices = [&](const std::string& property, const std::string& values) {
-    return importFile(scratch.write("a.ply", ply({property}, [&](int) { return " " + values; })), {}).notices;
+    return importFile(scratch.write("a.ply", plyOf({property}, [&](int) { return " " + values; })), {})
+        .notices;
   };
   EXPECT_TRUE(anyContains(notices("list uchar uchar red", "1 7"),
                           "'vertex' has what looks like a color (red) and is not read; "));
@@ -239,18 +241,18 @@ TEST(ImportColors, OfPlyThatAreNotReadAreNamed) {
 TEST(ImportColors, OfPlyThatAreNotFinite) {
   const Scratch scratch;
   const SourceModel model =
-      importFile(scratch.write("a.ply", ply({"float red", "float green", "float blue"},
-                                            [](int i) { return i == 3 ? " inf nan 1e999" : " 0.5 0 0"; })),
+      importFile(scratch.write("a.ply", plyOf({"float red", "float green", "float blue"},
+                                              [](int i) { return i == 3 ? " inf nan 1e999" : " 0.5 0 0"; })),
                  {});
   EXPECT_EQ(cornerColors(model)[0], "#800000");
   EXPECT_EQ(cornerColors(model)[3], "#ffffff");
 }
 
-std::string off(const std::string& word, const std::function<std::string(int)>& more,
-                const std::function<std::string(std::size_t)>& of_face) {
-  std::string out = word + "\n16 24 0\n" + vertices(more, 0, 16, "");
+std::string offOf(const std::string& word, const std::function<std::string(int)>& more,
+                  const std::function<std::string(std::size_t)>& of_face) {
+  std::string out = word + "\n16 24 0\n" + vertexLines(more, 0, 16, "");
   for (std::size_t f = 0; f < TwoBoxes::kFaces.size(); ++f) {
-    std::string face = faces(f, f + 1, "3", 0);
+    std::string face = faceLines(f, f + 1, "3", 0);
     face.pop_back();
     out += face + of_face(f) + "\n";
   }
@@ -267,29 +269,29 @@ TEST(ImportColors, OfOffMayBeFractionsOrBytes) {
   const auto printed = [](const Rgb& c, double full, const char* alpha) {
     return fmt::format(" {:g} {:g} {:g}{}", c[0] / full, c[1] / full, c[2] / full, alpha);
   };
-  const auto plain = [](std::size_t) { return std::string(); };
+  const auto bare = [](std::size_t) { return std::string(); };
   for (const auto& [full, alpha] : {std::pair(1.0, " 255"), std::pair(255.0, " 1"), std::pair(255.0, "")}) {
-    EXPECT_EQ(colors(off(
-                         "COFF", [&](int i) { return printed(colorOf(i), full, alpha); }, plain),
+    EXPECT_EQ(colors(offOf(
+                         "COFF", [&](int i) { return printed(colorOf(i), full, alpha); }, bare),
                      0),
               kPainted);
-    EXPECT_EQ(
-        colors(off("OFF", none, [&](std::size_t f) { return printed(f < 12 ? kRed : kBlue, full, alpha); }),
-               0),
-        kPainted);
+    EXPECT_EQ(colors(offOf("OFF", uncolored,
+                           [&](std::size_t f) { return printed(f < 12 ? kFirst : kSecond, full, alpha); }),
+                     0),
+              kPainted);
   }
   // Whole fractions.
-  EXPECT_EQ(colors(off(
-                       "COFF", [](int i) { return i < 8 ? " 1 0 0 1" : " 0 0 1 1"; }, plain),
+  EXPECT_EQ(colors(offOf(
+                       "COFF", [](int i) { return i < 8 ? " 1 0 0 1" : " 0 0 1 1"; }, bare),
                    0),
-            halves("#ff0000", "#0000ff"));
+            byBox("#ff0000", "#0000ff"));
   // Dark bytes beside bright ones stay dark.
-  EXPECT_EQ(colors(off("OFF", none, [](std::size_t f) { return f < 12 ? " 1 1 1" : " 255 0 2"; }), 0),
-            halves("#010101", "#ff0002"));
-  EXPECT_EQ(colors(off("OFF", none, [](std::size_t f) { return f < 12 ? " 3" : ""; }), 1),
+  EXPECT_EQ(colors(offOf("OFF", uncolored, [](std::size_t f) { return f < 12 ? " 1 1 1" : " 255 0 2"; }), 0),
+            byBox("#010101", "#ff0002"));
+  EXPECT_EQ(colors(offOf("OFF", uncolored, [](std::size_t f) { return f < 12 ? " 3" : ""; }), 1),
             std::vector<std::string>(16));
-  EXPECT_EQ(colors(off(
-                       "OFF", [](int) { return " 1 0 0 1"; }, plain),
+  EXPECT_EQ(colors(offOf(
+                       "OFF", [](int) { return " 1 0 0 1"; }, bare),
                    1),
             std::vector<std::string>(16));
 }

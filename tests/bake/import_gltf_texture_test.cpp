@@ -9,25 +9,12 @@
 namespace kelp::bake::test {
 namespace {
 
-using Texels = std::vector<std::array<std::uint8_t, 4>>;
-
 std::string webp(const Texels& texels, int width) {
   std::uint8_t* out = nullptr;
   const std::size_t size = WebPEncodeLosslessRGBA(texels[0].data(), width,
                                                   static_cast<int>(texels.size()) / width, 4 * width, &out);
   const std::string bytes(reinterpret_cast<const char*>(out), size);
   WebPFree(out);
-  return bytes;
-}
-
-// Uncompressed true color with alpha, first row at the top.
-std::string tga(const Texels& texels, int width) {
-  const auto height = texels.size() / static_cast<std::size_t>(width);
-  std::string bytes("\0\0\2\0\0\0\0\0\0\0\0\0", 12);
-  bytes += {static_cast<char>(width), 0, static_cast<char>(height), 0, 32, 0x28};
-  for (const auto& t : texels)
-    bytes +=
-        {static_cast<char>(t[2]), static_cast<char>(t[1]), static_cast<char>(t[0]), static_cast<char>(t[3])};
   return bytes;
 }
 
@@ -271,7 +258,7 @@ TEST_F(Square, ALampWithoutItsPictureIsDark) {
 
 TEST_F(Textured, PicturesThatLeaveTheFolderAreRefused) {
   const Scratch& scratch = scratch_;
-  scratch.write("secret.tga", tga(kBlue, 1));
+  scratch.write("sub/secret.tga", tga(kBlue, 1));
   const std::string said =
       refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"../x/secret.tga"})), Exit::kInvalid);
   EXPECT_TRUE(contains(said, ".gltf: images[0]: reference '../x/secret.tga': leaves the input's folder"))

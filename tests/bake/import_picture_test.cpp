@@ -16,6 +16,7 @@
 #include <sys/resource.h>
 #include <zlib.h>
 
+#include "import_scratch.h"
 #include "kelp/import/image/image.h"
 
 namespace kelp::bake::test {
@@ -26,7 +27,7 @@ std::span<const std::uint8_t> asBytes(const std::string& text) {
 }
 
 // Why a picture is not read; empty: it is.
-std::string refusal(const std::string& bytes) {
+std::string reasonAgainst(const std::string& bytes) {
   const auto image = decodeImage(asBytes(bytes), "picture");
   return std::holds_alternative<Image>(image) ? std::string() : std::get<std::string>(image);
 }
@@ -43,10 +44,6 @@ std::vector<std::uint8_t> pixels(const std::string& bytes) {
                                      static_cast<std::size_t>(decoded.height));
   EXPECT_EQ(decoded.name, "picture");
   return decoded.rgba;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 // --- PNG -----------------------------------------------------------------------------------------
@@ -316,7 +313,7 @@ TEST(PngPictures, LiesAreRefused) {
       {untrue, "cannot be decoded (tRNS: CRC error)"},
       {unknown, "cannot be decoded (KELP: unhandled critical chunk)"}};
   for (const auto& [bytes, said] : cases) {
-    const std::string reason = refusal(bytes);
+    const std::string reason = reasonAgainst(bytes);
     EXPECT_TRUE(contains(reason, said)) << reason << " instead of " << said;
   }
 }
@@ -475,7 +472,7 @@ TEST(JpegPictures, LiesAreRefused) {
   std::string resync = restarts, codes = sound;
   resync[find(resync, 0xd1) + 1] = '\xd5';
   for (std::size_t i = find(codes, 0xda) + 40; i < codes.size() - 2; ++i) codes[i] = i % 2 ? '\xff' : '\0';
-  EXPECT_EQ(refusal(table(256)), "");
+  EXPECT_EQ(reasonAgainst(table(256)), "");
   const std::pair<std::string, const char*> cases[] = {
       {table(264), "is a JPEG picture that cannot be decoded (Bogus Huffman table definition)"},
       {beyond, "cannot be decoded (Bogus marker length)"},
@@ -491,7 +488,7 @@ TEST(JpegPictures, LiesAreRefused) {
       {resync, "cannot be decoded (Corrupt JPEG data: found marker 0xd5 instead of RST1)"},
       {codes, "cannot be decoded (Corrupt JPEG data: "}};
   for (const auto& [bytes, said] : cases) {
-    const std::string reason = refusal(bytes);
+    const std::string reason = reasonAgainst(bytes);
     EXPECT_TRUE(contains(reason, said)) << reason << " instead of " << said;
   }
 }
@@ -504,8 +501,9 @@ TEST(JpegPictures, ScansAreCounted) {
     for (int i = 0; i < count - 1; ++i) all.push_back({1, {i / 63}, i % 63 + 1, i % 63 + 1, 0, 0});
     return jpeg({}, all);
   };
-  EXPECT_EQ(refusal(scans(100)), "");
-  EXPECT_EQ(refusal(scans(101)), "is a JPEG picture that cannot be decoded (it has more than 100 scans)");
+  EXPECT_EQ(reasonAgainst(scans(100)), "");
+  EXPECT_EQ(reasonAgainst(scans(101)),
+            "is a JPEG picture that cannot be decoded (it has more than 100 scans)");
 }
 
 // --- both ----------------------------------------------------------------------------------------
@@ -525,11 +523,11 @@ std::vector<std::pair<std::string, std::string>> smallPictures() {
 TEST(Pictures, CutOffTheyAreRefused) {
   testing::internal::CaptureStderr();
   for (const auto& [name, sound] : smallPictures()) {
-    EXPECT_EQ(refusal(sound), "") << name;
+    EXPECT_EQ(reasonAgainst(sound), "") << name;
     // Every length of the head, of the tail, and every 7th between.
     for (std::size_t length = 0; length < sound.size();
          length += length < 800 || length + 200 > sound.size() ? 1 : 7) {
-      ASSERT_FALSE(refusal(sound.substr(0, length)).empty())
+      ASSERT_FALSE(reasonAgainst(sound.substr(0, length)).empty())
           << name << " cut at " << length << " of " << sound.size();
       imageSize(asBytes(sound.substr(0, length)));
     }

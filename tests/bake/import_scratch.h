@@ -103,6 +103,19 @@ std::string bytesOf(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
+using Texels = std::vector<std::array<std::uint8_t, 4>>;
+
+// A TGA picture: uncompressed true color with alpha, first row at the top.
+inline std::string tga(const Texels& texels, int width) {
+  const auto height = texels.size() / static_cast<std::size_t>(width);
+  std::string bytes("\0\0\2\0\0\0\0\0\0\0\0\0", 12);
+  bytes += {static_cast<char>(width), 0, static_cast<char>(height), 0, 32, 0x28};
+  for (const auto& t : texels)
+    bytes +=
+        {static_cast<char>(t[2]), static_cast<char>(t[1]), static_cast<char>(t[0]), static_cast<char>(t[3])};
+  return bytes;
+}
+
 // A glTF file in the making: one buffer as a data URI; accessors are numbered in the order of their adding.
 class GltfMaker {
  public:

@@ -11,8 +11,8 @@ namespace kelp::bake::test {
 namespace {
 
 // A binary file of two boxes; `normals`: their own, else 0.
-std::string boxes(const std::string& head, std::uint32_t count, bool normals = false,
-                  std::uint16_t word = 0) {
+std::string stlBoxes(const std::string& head, std::uint32_t count, bool normals = false,
+                     std::uint16_t word = 0) {
   std::string out = head + std::string(80 - head.size(), ' ') + bytesOf(std::vector<std::uint32_t>{count});
   for (const auto& face : TwoBoxes::kFaces) {
     std::array<glm::vec3, 4> facet{};
@@ -29,7 +29,7 @@ TEST(ImportStl, FacetsAreThoseOfTheFileWhereTheCountIsWrong) {
   const Scratch scratch;
   for (const std::uint32_t count : {0u, 12u, 0xffffffffu}) {
     Report report;
-    const RawPack pack = bakeBoxes(scratch.write("a.stl", boxes("exported by ZanderCAD", count)), report);
+    const RawPack pack = bakeBoxes(scratch.write("a.stl", stlBoxes("exported by ZanderCAD", count)), report);
     EXPECT_EQ(report.parts[0].triangles, 24u) << count;
     EXPECT_EQ(pack.parts[0].size, glm::ivec3(64, 51, 26)) << count;
     EXPECT_EQ(report.parts[0].surface_voxels, 9826u) << count;
@@ -47,7 +47,7 @@ TEST(ImportStl, FacetsOfOtherProgramsAreCountedToo) {
     for (const std::string& tail : {std::string(), std::string("xy"), std::string(49, '\0'),
                                     std::string(4096, '\0'), std::string(500, 'k')}) {
       const SourceModel model =
-          importFile(scratch.write("a.stl", boxes("solid part 7", count, true, kRed) + tail), {});
+          importFile(scratch.write("a.stl", stlBoxes("solid part 7", count, true, kRed) + tail), {});
       EXPECT_EQ(model.format, "STL (binary)") << count;
       ASSERT_EQ(model.parts[0].soup.triangles.size(), 24u) << count << ", " << tail.size();
       EXPECT_EQ(model.parts[0].soup.colors.at(23)[0], glm::vec4(1, 0, 0, 1)) << count;
@@ -59,7 +59,7 @@ TEST(ImportStl, FacetsOfOtherProgramsAreCountedToo) {
 // A facet without an area, or with a number that is none, is no end.
 TEST(ImportStl, FaultyFacetsEndNothing) {
   const Scratch scratch;
-  std::string file = boxes("a", 0);
+  std::string file = stlBoxes("a", 0);
   std::memset(file.data() + 84 + 50 * 3, 0, 48);
   std::memset(file.data() + 84 + 50 * 7 + 12, 0xff, 12);
   EXPECT_EQ(importFile(scratch.write("a.stl", file), {}).parts[0].soup.triangles.size(), 22u);
@@ -68,7 +68,7 @@ TEST(ImportStl, FaultyFacetsEndNothing) {
 TEST(ImportStl, RightCountsStand) {
   const Scratch scratch;
   for (const std::string& tail : {std::string(4096, '\0'), std::string(500, 'k'), std::string(50, '\xff')}) {
-    const SourceModel model = importFile(scratch.write("a.stl", boxes("a", 24) + tail), {});
+    const SourceModel model = importFile(scratch.write("a.stl", stlBoxes("a", 24) + tail), {});
     EXPECT_EQ(model.parts[0].soup.triangles.size(), 24u);
     EXPECT_TRUE(model.notices.empty()) << model.notices.front();
   }
@@ -76,12 +76,12 @@ TEST(ImportStl, RightCountsStand) {
 
 TEST(ImportStl, CutAndForeignFilesAreRefused) {
   const Scratch scratch;
-  const std::string whole = boxes("a", 24);
+  const std::string whole = stlBoxes("a", 24);
   for (const std::size_t size : {whole.size() - 1, whole.size() - 50, std::size_t{84 + 75}, std::size_t{84}})
     EXPECT_TRUE(contains(refusal(scratch.write("a.stl", whole.substr(0, size)), Exit::kInvalid),
                          "declares 24 facets but the file holds"))
         << size;
-  refusal(scratch.write("a.stl", boxes("a", 25)), Exit::kInvalid);
+  refusal(scratch.write("a.stl", stlBoxes("a", 25)), Exit::kInvalid);
   refusal(scratch.write("a.stl", std::string(84 + 5000, '\0')), Exit::kInvalid);
   std::string page = "<!DOCTYPE html><html><head><title>404</title></head><body>";
   while (page.size() < 10000) page += "<p>This model is not here any more.</p>\n";
