@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "kelp/common/error.h"
+#include "kelp/common/memory.h"
 #include "kelp/import/core/files_used.h"
 #include "kelp/import/core/frame.h"
 #include "kelp/import/core/import_settings.h"
@@ -41,16 +42,16 @@ class VoxImporter {
   }
 
   SourceModel import() {
-    if (settings_.resolution_given)
-      refuse(Exit::kUsage, files_.input(), "--resolution " + std::to_string(settings_.resolution),
-             "MagicaVoxel models are baked voxel by voxel; leave the option out (--voxel-size says how large "
-             "a voxel is)");
     const std::optional<OuterRig> outer = findOuterRig(files_, settings_);
     if (outer && settings_.parts == Parts::kNodes)
       throw ToolError(Exit::kUsage, "--parts nodes: the rig (" + outer->origin +
                                         ") is one for the whole file; leave one of the two out");
     const std::vector<std::uint8_t> bytes = files_.readInput();
-    file_ = readVoxFile(files_, bytes);
+    file_ = readVoxFile(files_, bytes, settings_.max_memory > 0 ? settings_.max_memory : physicalMemory());
+    if (settings_.resolution_given)
+      file_.notices.push_back("--resolution " + std::to_string(settings_.resolution) +
+                              " is not used: MagicaVoxel models are baked voxel by voxel (--voxel-size says "
+                              "how large a voxel is)");
     VoxScene scene = arrangeVox(files_, file_, settings_.frame);
     measureModels();
     std::erase_if(scene.instances,
