@@ -389,9 +389,6 @@ TEST(ImportVox, SizesAreWhatTheUserSays) {
   settings.unit = 0.01;
   settings.voxel_size = 0.25;
   expectTruth(baked(path, settings), readVoxTruth(path), 0.25);
-  settings = {};
-  settings.resolution_given = true;
-  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, settings), "voxel by voxel"));
 }
 
 // Whoever swaps palettes gets the same pattern on every level: no coarse voxel has an index that none of

@@ -2,6 +2,7 @@
 // A .nvdb that NanoVDB's own library made is the same part as the .vdb that it was made of.
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <random>
 
 #include <zlib.h>
@@ -9,6 +10,7 @@
 #include "bake_program.h"
 #include "import_scratch.h"
 #include "nvdb_peer.h"
+#include "same_part.h"
 #include "support/all_tests.h"
 #include "support/assets.h"
 #include "vdb_peer.h"
@@ -35,30 +37,6 @@ VdbSpec ball(const std::string& type, const std::string& grid_class) {
   };
   if (type != "vec3s") spec.tiles = {{{-24, 0, 8}, 1, glm::dvec3(grid_class == "level set" ? -3 : 1), true}};
   return spec;
-}
-
-void expectSame(const std::filesystem::path& nvdb, const std::filesystem::path& vdb,
-                const Settings& settings = {}) {
-  const SourceModel a = importFile(nvdb, settings), b = importFile(vdb, settings);
-  EXPECT_EQ(a.format, "NanoVDB");
-  const SourcePart &x = a.parts[0], &y = b.parts[0];
-  ASSERT_EQ(x.grid.has_value(), y.grid.has_value());
-  if (x.grid) {
-    EXPECT_EQ(x.grid->size, y.grid->size);
-    EXPECT_EQ(x.grid->solid, y.grid->solid);
-    EXPECT_EQ(x.grid->to_node, y.grid->to_node);
-    ASSERT_EQ(x.grid->surface.size(), y.grid->surface.size());
-    for (std::size_t i = 0; i < x.grid->surface.size(); ++i) {
-      ASSERT_EQ(x.grid->surface[i].normal, y.grid->surface[i].normal);
-      ASSERT_EQ(x.grid->surface[i].material.base_color, y.grid->surface[i].material.base_color);
-    }
-  } else {
-    EXPECT_EQ(x.fog->size, y.fog->size);
-    EXPECT_EQ(x.fog->density, y.fog->density);
-    EXPECT_EQ(x.fog->heat, y.fog->heat);
-    EXPECT_EQ(x.fog->extinction, y.fog->extinction);
-    EXPECT_EQ(x.fog->to_node, y.fog->to_node);
-  }
 }
 
 TEST(Nvdb, EveryTypeAndCodecIsTheSamePart) {
@@ -230,14 +208,16 @@ TEST(Nvdb, TypesWithoutANameLeaveTheOtherGrids) {
   writeNvdb(nvdb, vdb);
   std::string bytes = contentOf(nvdb);
   constexpr std::size_t kTypeAt = 16 + 32;  // behind the segment's head, of the first grid
-  std::vector<std::uint32_t> types{std::uint32_t{1} << 31};
-  for (std::uint32_t type = 19; type <= 40; ++type) types.push_back(type);
-  for (const std::uint32_t type : types) {
+  std::map<std::uint32_t, std::string> types = {
+      {19, "Index"},   {20, "OnIndex"}, {23, "PointIndex"},           {24, "vec3u8"},
+      {25, "vec3u16"}, {9, "half"},     {1u << 31, "type 2147483648"}};
+  for (std::uint32_t type = 27; type <= 40; ++type) types.emplace(type, "type " + std::to_string(type));
+  for (const auto& [type, name] : types) {
     std::memcpy(bytes.data() + kTypeAt, &type, sizeof(type));
     const auto path = scratch.write("other.nvdb", bytes);
     EXPECT_EQ(importFile(path, with([](Settings& s) { s.grid = "double"; })).format, "NanoVDB") << type;
     const std::string said = refusal(path, Exit::kUnsupported, with([](Settings& s) { s.grid = "float"; }));
-    EXPECT_TRUE(contains(said, type < 20 ? "Index" : "type " + std::to_string(type))) << said;
+    EXPECT_TRUE(contains(said, "'float' (" + name)) << said;
   }
 }
 

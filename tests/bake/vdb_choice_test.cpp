@@ -33,15 +33,16 @@ TEST(VdbChoice, SeveralGridsAreListed) {
   const Scratch scratch;
   const auto path = scratch.folder() / "several.vdb";
   VdbSpec heat = ball("temperature", "float", ""), color = ball("Cd", "vec3s", "");
-  writeVdb(path,
-           {ball("surface", "float", "level set", 2), ball("density", "double", "fog volume"), heat, color});
+  writeVdb(path, {ball("smoke", "float", "fog volume"), ball("mist", "double", "fog volume"), heat, color});
   const std::string said = refusal(path, Exit::kUsage);
   EXPECT_TRUE(contains(said, "--grid")) << said;
-  EXPECT_TRUE(contains(said, "0: 'surface' (float, level set, ")) << said;
-  EXPECT_TRUE(contains(said, "1: 'density' (double, fog volume, ")) << said;
+  EXPECT_TRUE(contains(said, "0: 'smoke' (float, fog volume, ")) << said;
+  EXPECT_TRUE(contains(said, "1: 'mist' (double, fog volume, ")) << said;
   EXPECT_TRUE(contains(said, " active voxels in 9 x 9 x 9)")) << said;
   EXPECT_FALSE(contains(said, "temperature")) << said;
   EXPECT_FALSE(contains(said, "Cd")) << said;
+  writeVdb(path,
+           {ball("surface", "float", "level set", 2), ball("density", "double", "fog volume"), heat, color});
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "surface"; })).parts[0].grid);
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "0"; })).parts[0].grid);
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "density"; })).parts[0].fog);
@@ -57,6 +58,81 @@ TEST(VdbChoice, SeveralGridsAreListed) {
   writeVdb(path, {ball("a", "float", "level set", 2), ball("a", "float", "fog volume")});
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "a[1]"; })).parts[0].fog);
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "a"; })).parts[0].grid);
+}
+
+TEST(VdbChoice, OfSeveralTheLikelyOneIsTaken) {
+  const VdbSpec hull = ball("hull", "float", "level set", 2), body = ball("body", "double", "level set", 2),
+                smoke = ball("smoke", "float", "fog volume"), mist = ball("mist", "double", "fog volume"),
+                fuel = ball("fuel", "float", ""), mask = ball("inside", "mask", ""),
+                density = ball("Density", "float", "");
+  struct Case {
+    std::vector<VdbSpec> grids;
+    std::string taken;  // empty: nothing tells
+    std::vector<std::string> others;
+    VolumeKind volume = VolumeKind::kAuto;
+  };
+  const Case cases[] = {
+      {{hull, smoke, density, fuel}, "Density", {"hull", "smoke", "fuel"}},
+      {{smoke, hull, mist}, "hull", {"smoke", "mist"}},
+      {{fuel, hull, mask, smoke}, "hull", {"fuel", "inside", "smoke"}},
+      {{hull, body, mist, fuel}, "mist", {"hull", "body", "fuel"}},
+      {{fuel, mask, smoke}, "smoke", {"fuel", "inside"}},
+      {{smoke, mist}, "", {"smoke", "mist"}},
+      {{hull, smoke, body, mist}, "", {"hull", "smoke", "body", "mist"}},
+      {{fuel, mask}, "", {"fuel", "inside"}},
+      {{density, density, fuel}, "Density", {"Density[1]", "fuel"}},
+      // What is no fog is not meant.
+      {{hull, mist, body}, "mist", {}, VolumeKind::kFog},
+      {{density, hull, body, fuel}, "Density", {"fuel"}, VolumeKind::kFog},
+  };
+  const Scratch scratch;
+  const auto path = scratch.folder() / "several.vdb";
+  for (const Case& one : cases) {
+    writeVdb(path, one.grids);
+    SCOPED_TRACE(one.taken + " of " + std::to_string(one.grids.size()));
+    const Settings settings = with([&](Settings& s) { s.volume = one.volume; });
+    if (one.taken.empty()) {
+      const std::string said = refusal(path, Exit::kUsage, settings);
+      for (const std::string& name : one.others) EXPECT_TRUE(contains(said, "'" + name + "'")) << said;
+      continue;
+    }
+    const SourceModel model = importFile(path, settings);
+    EXPECT_EQ(model.parts[0].grid.has_value(), one.taken == "hull");
+    EXPECT_TRUE(anyContains(model.notices, "baked grid '" + one.taken + "' "));
+    for (const std::string& name : one.others) EXPECT_TRUE(anyContains(model.notices, ": '" + name + "' "));
+  }
+}
+
+// Changes the last grid's type to one of OpenVDB 13. Its own places are behind it.
+std::string withHalfGrid(std::string bytes, const std::string& type) {
+  const std::string half = "Tree_half_5_4_3";
+  const std::size_t at = bytes.rfind(type), less = type.size() - half.size();
+  const auto size = static_cast<std::uint32_t>(half.size());
+  std::memcpy(bytes.data() + at - sizeof(size), &size, sizeof(size));
+  bytes.replace(at, type.size(), half);
+  std::int64_t places[3];
+  char* const stated = bytes.data() + at + half.size() + 4;
+  std::memcpy(places, stated, sizeof(places));
+  for (std::int64_t& place : places) place -= static_cast<std::int64_t>(less);
+  if (places[2] > 0) std::memcpy(stated, places, sizeof(places));
+  bytes[8] = static_cast<char>(225);
+  return bytes;
+}
+
+TEST(VdbChoice, HalfGridsSayWhatToDo) {
+  const Scratch scratch;
+  const auto path = scratch.folder() / "a.vdb";
+  for (const bool stream : {false, true}) {
+    writeVdb(path, {ball("density", "float", "fog volume")}, VdbCodec::kZip, true, stream);
+    const std::string said = refusal(
+        scratch.write("half.vdb", withHalfGrid(contentOf(path), "Tree_float_5_4_3")), Exit::kUnsupported);
+    EXPECT_TRUE(contains(said, "save it as a float grid")) << said;
+  }
+  // It is meant, though another could be baked.
+  writeVdb(path, {ball("temperature", "float", ""), ball("density", "double", "fog volume")});
+  const auto both = scratch.write("half.vdb", withHalfGrid(contentOf(path), "Tree_double_5_4_3"));
+  EXPECT_TRUE(contains(refusal(both, Exit::kUnsupported), "'density' (half"));
+  EXPECT_TRUE(importFile(both, with([](Settings& s) { s.grid = "temperature"; })).parts[0].fog);
 }
 
 TEST(VdbChoice, ColorAndHeatDoNotMakeItAmbiguous) {

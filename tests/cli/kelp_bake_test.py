@@ -143,7 +143,10 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(
             self.bake(model, "-o", self.out, "--parts", "nodes", "--voxel-size", "0.5").returncode, 0)
         self.assertEqual(self.bake(model, "-o", self.out, "--frame", "0").returncode, 0)
-        self.fails(1, model, "-o", self.out, "--resolution", "64", says=["--resolution 64", "voxel by voxel"])
+        result = self.bake(model, "-o", self.out, "--resolution", "64")
+        self.assertEqual(result.returncode, 0)
+        self.assertIn("the file's own voxels", result.stderr.decode())
+        self.assertIn("--resolution 64 is not used", result.stderr.decode())
         self.fails(1, model, "-o", self.out, "--frame", "1", says=["--frame 1", "no animation"])
         self.fails(1, model, "-o", self.out, "--frame", "one", says=["--frame one"])
         self.fails(1, self.cube, "-o", self.out, "--frame", "0", says=["only MagicaVoxel files have frames"])

@@ -52,6 +52,8 @@ int main(int argc, char** argv) {
   both("several",
        {ball("surface", "level set", 6.2), ball("density", "fog volume", 8.2), ball("temperature", "", 5.2),
         ball("embers", "", 4.2), paint("Cd", {0.8, 0.1, 0.1}), paint("paint", {0.1, 0.2, 0.9})});
+  both("unclear", {ball("smoke", "fog volume", 6.2), ball("mist", "fog volume", 8.2),
+                   ball("temperature", "", 5.2), paint("Cd", {0.8, 0.1, 0.1})});
   both("fog", {ball("density", "fog volume", 8.2)});
   both("glow", {ball("density", "fog volume", 8.2), ball("heat", "", 5.2)});
   both("solid", {ball("surface", "level set", 6.2)});

@@ -93,7 +93,8 @@ std::string makeInfo(const std::filesystem::path& input, const SourceModel& mode
   OrderedJson options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
-  } else if (settings.resolution_given || !volume) {  // a volume keeps its own voxels unless told otherwise
+  } else if (!volume || (settings.resolution_given && format != "MagicaVoxel")) {
+    // a volume keeps its own voxels unless told otherwise; a MagicaVoxel model in any case
     options["resolution"] = settings.resolution;
   }
   if (settings.axis) options["axis"] = toString(*settings.axis);

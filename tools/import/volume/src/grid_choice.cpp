@@ -27,13 +27,16 @@ bool isOneOf(const std::string& name, const std::array<std::string_view, N>& nam
 bool isScalar(const GridHeader& grid) {
   return grid.kind == GridKind::kScalar || grid.kind == GridKind::kBinary;
 }
+// Grids of OpenVDB's format 225. They are chosen as if they could be read, for a message that says what to
+// do.
+bool isHalf(const GridHeader& grid) { return grid.kind == GridKind::kOther && grid.type.starts_with("half"); }
 bool isColor(const GridHeader& grid) {
   return grid.kind == GridKind::kVector && grid.type.find("vec3i") == std::string::npos;
 }
 constexpr std::array<std::string_view, 4> kHeatNames{"flame", "flames", "heat", "temperature"};
 constexpr std::array<std::string_view, 2> kColorNames{"cd", "color"};
 bool isHeat(const GridHeader& grid) {
-  return grid.kind == GridKind::kScalar && isOneOf(grid.name, kHeatNames);
+  return (grid.kind == GridKind::kScalar || isHalf(grid)) && isOneOf(grid.name, kHeatNames);
 }
 
 template <class Wanted>
@@ -69,27 +72,58 @@ std::size_t find(const InputFiles& files, const std::vector<GridHeader>& grids, 
          "there is no such grid; give the name or the index of one of " + listAll(grids));
 }
 
-std::size_t chooseVolume(const InputFiles& files, const std::vector<GridHeader>& grids,
-                         const ImportSettings& settings) {
-  if (settings.grid) return find(files, grids, "--grid", *settings.grid);
-  const auto pick = [&](const auto& wanted) -> std::optional<std::size_t> {
+// Of several grids the one that a user most likely means: `density`, or the only level set, or the only fog
+// volume. Nothing if none of these is there.
+std::optional<std::size_t> mostLikely(const std::vector<GridHeader>& grids,
+                                      const std::vector<std::size_t>& among) {
+  const auto only = [&](const auto& wanted) -> std::optional<std::size_t> {
+    const auto isIt = [&](std::size_t i) { return wanted(grids[i]); };
+    if (std::count_if(among.begin(), among.end(), isIt) != 1) return std::nullopt;
+    return *std::find_if(among.begin(), among.end(), isIt);
+  };
+  if (const auto named = only([](const GridHeader& grid) { return lowerCase(grid.name) == "density"; }))
+    return named;
+  for (const GridClass wanted : {GridClass::kLevelSet, GridClass::kFogVolume})
+    if (const auto one = only([&](const GridHeader& grid) { return grid.grid_class == wanted; })) return one;
+  return std::nullopt;
+}
+
+// `choice` gets the grid, and the notice.
+void chooseVolume(const InputFiles& files, const std::vector<GridHeader>& grids,
+                  const ImportSettings& settings, VolumeChoice& choice) {
+  if (settings.grid) {
+    choice.grid = find(files, grids, "--grid", *settings.grid);
+    return;
+  }
+  const auto pick = [&](const auto& wanted) {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < grids.size(); ++i)
       if (wanted(grids[i])) found.push_back(i);
-    if (found.size() > 1)
+    if (found.empty()) return false;
+    choice.grid = found[0];
+    if (found.size() == 1) return true;
+    const auto likely = mostLikely(grids, found);
+    if (!likely)
       refuse(Exit::kUsage, files.input(), "",
              "has several grids to bake; choose one with --grid NAME or INDEX: " + list(grids, wanted));
-    return found.empty() ? std::nullopt : std::optional(found[0]);
+    choice.grid = *likely;
+    choice.notice = fmt::format(
+        "baked grid {} of several; --grid NAME or INDEX takes another: {}", describeGrid(grids[*likely]),
+        list(grids, [&](const GridHeader& grid) { return wanted(grid) && &grid != &grids[*likely]; }));
+    return true;
   };
-  const auto hasNumbers = [](const GridHeader& grid) { return isScalar(grid) && !grid.empty; };
-  if (const auto volume = pick([&](const GridHeader& grid) { return hasNumbers(grid) && !isHeat(grid); }))
-    return *volume;
-  if (const auto heat = pick([&](const GridHeader& grid) { return hasNumbers(grid) && isHeat(grid); }))
-    return *heat;
-  if (const auto points = pick([](const GridHeader& grid) { return grid.kind == GridKind::kPoints; }))
-    return *points;
+  // No level set is fog.
+  const auto hasNumbers = [&](const GridHeader& grid) {
+    return isHalf(grid) || (isScalar(grid) && !grid.empty &&
+                            (settings.volume != VolumeKind::kFog || grid.grid_class != GridClass::kLevelSet));
+  };
+  if (pick([&](const GridHeader& grid) { return hasNumbers(grid) && !isHeat(grid); }) ||
+      pick([&](const GridHeader& grid) { return hasNumbers(grid) && isHeat(grid); }) ||
+      pick([](const GridHeader& grid) { return isScalar(grid) && !grid.empty; }) ||
+      pick([](const GridHeader& grid) { return grid.kind == GridKind::kPoints; }))
+    return;
   if (grids.empty()) refuse(Exit::kUnsupported, files.input(), "", "holds no grid; export a volume");
-  if (grids.size() == 1) return 0;
+  if (grids.size() == 1) return;
   if (std::all_of(grids.begin(), grids.end(), [](const GridHeader& grid) {
         return grid.empty && grid.kind != GridKind::kPoints && grid.kind != GridKind::kOther;
       }))
@@ -169,6 +203,10 @@ void requireVoxels(const InputFiles& files, const GridHeader& grid) {
   if (grid.kind == GridKind::kVector)
     refuse(Exit::kUnsupported, files.input(), place,
            "holds vectors: they can color a volume (--color-grid), but not be one; choose a grid of numbers");
+  if (isHalf(grid))
+    refuse(Exit::kUnsupported, files.input(), place,
+           "is a half grid, a type that kelp does not read; save it as a float grid (OpenVDB can write that "
+           "with 16 bits a value, too: setSaveFloatAsHalf)");
   if (grid.kind == GridKind::kOther)
     refuse(Exit::kUnsupported, files.input(), place,
            "has values of a type that kelp does not read; convert it to float");
@@ -180,7 +218,7 @@ void requireVoxels(const InputFiles& files, const GridHeader& grid) {
 VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>& grids,
                          const ImportSettings& settings) {
   VolumeChoice choice;
-  choice.grid = chooseVolume(files, grids, settings);
+  chooseVolume(files, grids, settings, choice);
   requireVoxels(files, grids[choice.grid]);
   if (settings.color_grid) {
     choice.color = find(files, grids, "--color-grid", *settings.color_grid);

@@ -14,9 +14,10 @@ struct VolumeChoice {
   std::optional<std::size_t> color, heat;
   std::optional<std::size_t> attribute, palette;  // see solid.h; both or neither
   bool color_named = false, heat_named = false;   // named by the settings
+  std::string notice;                             // names the grids that could have been meant as well
 };
-// ToolError kUsage if the settings name a grid that does not exist, or if several could be meant: the message
-// lists them.
+// ToolError kUsage if the settings name a grid that does not exist, or if nothing tells which of several is
+// meant: the message lists them.
 VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>& grids,
                          const ImportSettings& settings);
 

@@ -40,7 +40,9 @@ class VolumeImport {
     place_ = gridPlace(header);
     to_rig_ = glm::dmat4(glm::dmat3(axisRotation(part_.rig.axis.value_or(Axis::kPlusY)))) * grid_.to_world;
     const VolumeRule rule = volumeRule(files_, header, grid_, settings_, model_.notices);
-    if (file_.grids.size() > 1)
+    if (!choice.notice.empty())
+      model_.notices.push_back(choice.notice);
+    else if (file_.grids.size() > 1)
       model_.notices.push_back(fmt::format("baked grid {} of {}", describeGrid(header), file_.grids.size()));
     if (rule.fog)
       makeFog(choice);

@@ -1,181 +1,86 @@
 // SPDX-License-Identifier: MIT
-// NanoVDB files, read and checked by NanoVDB and made grids of OpenVDB's. What its reader believes, it is not
-// given to read unless it can be true: how many bytes a grid has.
+// NanoVDB files, in the three forms that programs write: grids behind a segment's head, which may be packed
+// (NanoVDB0, since 32.7 NanoVDB2), or grids as they lie in memory (NanoVDB1). Every count and size is checked
+// here, nodes are in nvdb_grid.cpp. Format: io/IO.h and NanoVDB.h of OpenVDB.
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <type_traits>
 #include <utility>
 
-#define NANOVDB_USE_ZIP
-#define NANOVDB_USE_BLOSC
-#include "vdb_grid.h"
-
-#include <nanovdb/util/GridValidator.h>
-#include <nanovdb/util/IO.h>
+#include <blosc.h>
+#include <fmt/format.h>
+#include <zlib.h>
 
 #include "grid_choice.h"
 #include "grid_file.h"
 #include "kelp/common/memory.h"
+#include "nvdb_grid.h"
 #include "vdb_errors.h"
+#include "vdb_grid.h"
 
 namespace kelp::bake {
 namespace {
 
-using Handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
+constexpr std::uint32_t kMajor = 32, kNewestMinor = 9;
+constexpr std::uint32_t majorOf(std::uint32_t version) { return version >> 21; }
+constexpr std::uint32_t minorOf(std::uint32_t version) { return version >> 10 & 0x7ff; }
 
 // Bytes that one packed byte can become: the most that zlib can make (zlib.net/zlib_tech.html). LZ4, with
 // which Blosc is written, makes 255.
 constexpr std::uint64_t kMostUnpacked = 1032;
 
-struct NanoType {
-  nanovdb::GridType type;
-  const char* name;
-  GridKind kind;
-  // null: not checked, and not read
-  openvdb::GridBase::Ptr (*convert)(Handle& handle);
+enum class Codec : std::uint16_t { kNone, kZip, kBlosc };
+
+struct SegmentHead {
+  char magic[8];
+  std::uint32_t version;
+  std::uint16_t grids;
+  Codec codec;
 };
 
-template <class T, class... Others>
-constexpr bool kIsOneOf = (std::is_same_v<T, Others> || ...);
+// What a segment says of a grid; its name follows.
+struct SegmentGrid {
+  std::uint64_t size, stored, name_key, voxels;
+  std::uint32_t type, grid_class;
+  double world_box[6];
+  std::int32_t low[3], high[3];
+  double voxel_size[3];
+  std::uint32_t name_size, nodes[4], tiles[3];
+  std::uint16_t codec, blind_data;
+  std::uint32_t version;
+};
+static_assert(sizeof(SegmentHead) == 16 && sizeof(SegmentGrid) == 176);
 
-// OpenVDB's grid of the same values. Few types do: NanoVDB's own copy makes trees of each, which takes
-// minutes to compile. A mask becomes a bool grid of its active states.
-template <class Build>
-using GridFor = std::conditional_t<
-    kIsOneOf<Build, bool, nanovdb::ValueMask>, openvdb::BoolGrid,
-    std::conditional_t<
-        kIsOneOf<Build, nanovdb::Vec3f>, openvdb::Vec3SGrid,
-        std::conditional_t<kIsOneOf<Build, nanovdb::Vec3d>, openvdb::Vec3DGrid,
-                           std::conditional_t<kIsOneOf<Build, double, std::int16_t, std::int32_t,
-                                                       std::int64_t, std::uint32_t>,
-                                              openvdb::DoubleGrid, openvdb::FloatGrid>>>>;
+struct NanoGrid {
+  GridHeader header;
+  std::uint32_t number = 0;        // of its type
+  const NanoType* type = nullptr;  // null: kelp does not read it
+  Codec codec = Codec::kNone;
+  std::uint64_t size = 0, stored = 0;  // unpacked, and in the file
+  NanoBytes bytes;                     // as the file has them
+};
 
-openvdb::Coord coordOf(const nanovdb::Coord& c) { return {c[0], c[1], c[2]}; }
+struct alignas(32) Block {
+  std::byte bytes[32];
+};
 
-template <class Build, class Stored>
-auto valueOf(const Stored& stored, bool active) {
-  using Value = typename GridFor<Build>::ValueType;
-  if constexpr (std::is_same_v<Build, nanovdb::ValueMask>)
-    return active;
-  else if constexpr (std::is_same_v<Build, bool>)
-    return *reinterpret_cast<const unsigned char*>(&stored) != 0;  // the file may hold any byte
-  else if constexpr (openvdb::VecTraits<Value>::IsVec)
-    return Value(stored[0], stored[1], stored[2]);
-  else
-    return static_cast<Value>(stored);
-}
-
-template <class Build, class Node, class From>
-Node* copyNode(const From& from) {
-  auto node = std::make_unique<Node>(coordOf(from.origin()), openvdb::zeroVal<typename Node::ValueType>());
-  if constexpr (Node::LEVEL == 0) {
-    for (openvdb::Index i = 0; i < Node::SIZE; ++i) {
-      const auto stored = from.getValue(i);
-      node->setValueOnly(i, valueOf<Build>(stored, from.isActive(i)));
-      node->setActiveState(i, from.isActive(i));
-    }
-  } else {
-    for (auto slot = node->beginChildAll(); slot; ++slot) {
-      const openvdb::Index i = slot.pos();
-      const bool active = from.valueMask().isOn(i);
-      if (from.childMask().isOn(i))
-        slot.setChild(copyNode<Build, typename Node::ChildNodeType>(*from.data()->getChild(i)));
-      else
-        node->addTile(i, valueOf<Build>(from.data()->mTable[i].value, active), active);
-    }
-  }
-  return node.release();
-}
-
-template <class Build>
-openvdb::GridBase::Ptr copyOf(const nanovdb::NanoGrid<Build>& from) {
-  using Grid = GridFor<Build>;
-  const auto& data = *from.tree().root().data();
-  const auto copy = Grid::create(valueOf<Build>(data.mBackground, false));
-  auto& root = copy->tree().root();
-  for (std::uint32_t i = 0; i < data.mTableSize; ++i) {
-    const auto& tile = *data.tile(i);
-    if (tile.isChild())
-      root.addChild(
-          copyNode<Build, typename Grid::TreeType::RootNodeType::ChildNodeType>(*data.getChild(&tile)));
-    else
-      root.addTile(coordOf(tile.origin()), valueOf<Build>(tile.value, tile.state), tile.state);
-  }
-  openvdb::Mat4d rows = openvdb::Mat4d::identity();
-  rows.setMat3(openvdb::Mat3d(from.map().mMatD).transpose());
-  rows.setTranslation(openvdb::Vec3d(from.map().mVecD));
-  copy->setTransform(openvdb::math::Transform::createLinearTransform(rows));
-  return copy;
-}
-
-// Checks what NanoVDB can: the checksum, and that nodes lie within the grid.
-template <class Build>
-openvdb::GridBase::Ptr convert(Handle& handle) {
-  nanovdb::NanoGrid<Build>* const grid = handle.grid<Build>();
-  if (grid == nullptr || grid->gridSize() > handle.size())
-    throw std::runtime_error("it is not the grid that the file announces");
-  // Nodes first: the checksum goes where they are. The validator has no class for whole numbers of fog.
-  auto& data = *reinterpret_cast<nanovdb::GridData*>(handle.data());
-  const std::uint64_t checksum = std::exchange(data.mChecksum, ~std::uint64_t{0});
-  const nanovdb::GridClass grid_class = std::exchange(data.mGridClass, nanovdb::GridClass::Unknown);
-  std::string fault = nanovdb::GridValidator<Build>::check(*grid, true);
-  data.mChecksum = checksum;
-  data.mGridClass = grid_class;
-  if (fault.empty() && !nanovdb::validateChecksum(*grid, nanovdb::ChecksumMode::Full))
-    fault = "wrong checksum";
-  if (!fault.empty()) throw std::runtime_error(fault);
-  return copyOf(*grid);
-}
-
-using T = nanovdb::GridType;
-constexpr std::array<NanoType, 14> kTypes = {{
-    {T::Float, "float", GridKind::kScalar, convert<float>},
-    {T::Double, "double", GridKind::kScalar, convert<double>},
-    {T::Int16, "int16", GridKind::kScalar, convert<std::int16_t>},
-    {T::Int32, "int32", GridKind::kScalar, convert<std::int32_t>},
-    {T::Int64, "int64", GridKind::kScalar, convert<std::int64_t>},
-    {T::UInt32, "uint32", GridKind::kScalar, convert<std::uint32_t>},
-    {T::Fp4, "Fp4", GridKind::kScalar, convert<nanovdb::Fp4>},
-    {T::Fp8, "Fp8", GridKind::kScalar, convert<nanovdb::Fp8>},
-    {T::Fp16, "Fp16", GridKind::kScalar, convert<nanovdb::Fp16>},
-    {T::FpN, "FpN", GridKind::kScalar, convert<nanovdb::FpN>},
-    {T::Boolean, "bool", GridKind::kBinary, convert<bool>},
-    {T::Mask, "mask", GridKind::kBinary, convert<nanovdb::ValueMask>},
-    {T::Vec3f, "vec3f", GridKind::kVector, convert<nanovdb::Vec3f>},
-    {T::Vec3d, "vec3d", GridKind::kVector, convert<nanovdb::Vec3d>},
-}};
-
-const NanoType* find(nanovdb::GridType type) {
-  const auto found =
-      std::find_if(kTypes.begin(), kTypes.end(), [&](const auto& t) { return t.type == type; });
-  return found == kTypes.end() ? nullptr : &*found;
-}
-
-// NanoVDB looks up names of numbers beyond its types, too.
-std::string nameOf(nanovdb::GridType type) {
-  return type < nanovdb::GridType::End ? nanovdb::toStr(type)
-                                       : "type " + std::to_string(static_cast<std::uint32_t>(type));
-}
-
-GridClass classOf(nanovdb::GridClass grid_class) {
-  switch (grid_class) {
-    case nanovdb::GridClass::LevelSet:
-      return GridClass::kLevelSet;
-    case nanovdb::GridClass::FogVolume:
-      return GridClass::kFogVolume;
-    case nanovdb::GridClass::Staggered:
-      return GridClass::kStaggered;
-    default:
-      return GridClass::kUnknown;
-  }
+GridClass classOf(std::uint32_t number) {
+  constexpr GridClass kClasses[] = {GridClass::kUnknown, GridClass::kLevelSet, GridClass::kFogVolume,
+                                    GridClass::kStaggered};
+  return number < std::size(kClasses) ? kClasses[number] : GridClass::kUnknown;
 }
 
 class NanoFile {
  public:
-  explicit NanoFile(const InputFiles& files) : files_(files), bytes_(files.readInput()), stream_(bytes_) {
+  explicit NanoFile(const InputFiles& files)
+      : files_(files), bytes_(files.readInput()), left_(std::as_bytes(std::span(bytes_))) {
     if (bytes_.empty()) refuse(Exit::kInvalid, files_.input(), "", "is empty; export the volume again");
-    while (at() < bytes_.size()) readSegment();
+    while (!left_.empty()) {
+      if (isGrid())
+        readRawGrid();
+      else
+        readSegment();
+    }
     for (std::size_t i = 0; i < grids_.size(); ++i)
       if (GridHeader& header = grids_[i].header; grids_[i].type != nullptr && header.active == 0)
         describeVoxels(files_, gridPlace(header), *read(i), header);
@@ -189,92 +94,180 @@ class NanoFile {
 
   VolumeGrid load(std::size_t index, GridHeader& header) {
     const openvdb::GridBase::Ptr grid = read(index);
+    // Fog that NanoVDB made of a level set keeps the background of that.
+    std::string notice;
+    const auto clear = [&](auto& fog) {
+      if (fog.background() == 0) return;
+      notice = fmt::format("{} has a background of {}, which counts as 0: it is a fog volume",
+                           gridSubject(header), fog.background());
+      fog.tree().root().setBackground(0, false);
+    };
+    if (header.grid_class == GridClass::kFogVolume)
+      grid->apply<openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid>>(clear);
     describeVoxels(files_, gridPlace(header), *grid, header);
-    return volumeOf(grid);
+    VolumeGrid volume = volumeOf(grid);
+    if (!notice.empty()) volume.notices.push_back(notice);
+    return volume;
   }
 
  private:
-  struct NanoGrid {
-    GridHeader header;
-    const NanoType* type = nullptr;  // null: kelp does not read it
-    std::size_t end = 0;             // of its bytes
-  };
-
-  std::size_t at() { return static_cast<std::size_t>(std::streamoff(stream_.tellg())); }
-
-  void readSegment() {
-    checkSignature();
-    nanovdb::io::Segment segment;
-    readByLibrary(files_, "", stream_, [&] { segment.read(stream_); });
-    for (const nanovdb::io::GridMetaData& meta : segment.meta) {
-      NanoGrid grid;
-      grid.header.name = oneLine(meta.gridName, 80);
-      grid.type = find(meta.gridType);
-      const bool points =
-          meta.gridClass == nanovdb::GridClass::PointIndex || meta.gridClass == nanovdb::GridClass::PointData;
-      if (points) grid.type = nullptr;
-      grid.header.type = points ? "points" : grid.type != nullptr ? grid.type->name : nameOf(meta.gridType);
-      if (grid.type != nullptr) grid.header.kind = grid.type->kind;
-      grid.header.grid_class = classOf(meta.gridClass);
-      grid.header.active = meta.voxelCount;
-      grid.header.empty = meta.voxelCount == 0;
-      for (int i = 0; i < 3; ++i) {
-        grid.header.low[i] = std::clamp(meta.indexBBox.min()[i], -kMaxCoordinate, kMaxCoordinate);
-        grid.header.high[i] = std::clamp(meta.indexBBox.max()[i], -kMaxCoordinate, kMaxCoordinate);
-      }
-      checkSize(meta, segment.header.codec, "grid '" + grid.header.name + "'");
-      stream_.seekg(static_cast<std::streamoff>(meta.fileSize), std::ios_base::cur);
-      grid.end = at();
-      grids_.push_back(std::move(grid));
-    }
+  [[noreturn]] void cut(const std::string& place = "") const {
+    refuse(Exit::kInvalid, files_.input(), place,
+           "ends in the middle; it is truncated or damaged: export the volume again");
+  }
+  [[noreturn]] void damaged(const std::string& place, const std::string& what) const {
+    refuse(Exit::kInvalid, files_.input(), place, what + "; the file is damaged: export the volume again");
   }
 
-  void checkSignature() {
+  NanoBytes take(std::size_t count, const std::string& place = "") {
+    if (count > left_.size()) cut(place);
+    const NanoBytes taken = left_.first(count);
+    left_ = left_.subspan(count);
+    return taken;
+  }
+
+  // True for a grid as it lies in memory, false for a segment. Those of 32.6 have the same first bytes.
+  bool isGrid() const {
     constexpr std::string_view kMagic = "NanoVDB";
-    const std::string_view rest(reinterpret_cast<const char*>(bytes_.data()) + at(), bytes_.size() - at());
+    const std::string_view rest(reinterpret_cast<const char*>(left_.data()), left_.size());
     if (!rest.starts_with(kMagic))
       refuse(Exit::kInvalid, files_.input(), "",
              "does not look like NanoVDB (its signature is missing); check the file's type");
-    std::uint32_t version = 0;
-    if (rest.size() < 12) return;
-    std::memcpy(&version, rest.data() + 8, sizeof(version));
-    if (rest[kMagic.size()] != '0' || version >> 21 != NANOVDB_MAJOR_VERSION_NUMBER)
+    if (rest.size() < sizeof(SegmentHead)) cut();
+    const char form = rest[kMagic.size()];
+    const bool is_grid = form == '1' || (form == '0' && rest.size() >= nvdb::kHead &&
+                                         rest.substr(nvdb::kSecondMagic, kMagic.size() + 1) == "NanoVDB1" &&
+                                         majorOf(readAt<std::uint32_t>(left_, nvdb::kVersion)) == kMajor);
+    if (is_grid && rest.size() < nvdb::kHead) cut();
+    checkVersion(readAt<std::uint32_t>(left_, is_grid ? nvdb::kVersion : 8), "");
+    if (form < '0' || form > '2')
       refuse(Exit::kUnsupported, files_.input(), "",
-             "has version " + std::to_string(version >> 21) + " of the format, kelp reads " +
-                 std::to_string(NANOVDB_MAJOR_VERSION_NUMBER) +
-                 " as OpenVDB 10 writes it; save the volume as .vdb");
+             "begins with '" + oneLine(rest.substr(0, kMagic.size() + 1)) +
+                 "', and NanoVDB0 to NanoVDB2 are read; save the volume as .vdb");
+    return is_grid;
   }
 
-  void checkSize(const nanovdb::io::GridMetaData& meta, nanovdb::io::Codec codec, const std::string& place) {
-    const auto damaged = [&](const std::string& what) {
-      refuse(Exit::kInvalid, files_.input(), place, what + "; the file is damaged: export the volume again");
-    };
-    if (meta.fileSize > bytes_.size() - at())
-      refuse(Exit::kInvalid, files_.input(), place,
-             "ends in the middle; it is truncated or damaged: export the volume again");
-    if (codec != nanovdb::io::Codec::NONE && codec != nanovdb::io::Codec::ZIP &&
-        codec != nanovdb::io::Codec::BLOSC)
-      damaged("is compressed in an unknown way");
-    if (codec == nanovdb::io::Codec::NONE && meta.fileSize != meta.gridSize) damaged("has two sizes");
-    if (meta.gridSize < sizeof(nanovdb::GridData) + sizeof(nanovdb::TreeData<>))
-      damaged("has " + std::to_string(meta.gridSize) + " bytes, fewer than its own head takes");
-    if (meta.gridSize / kMostUnpacked > meta.fileSize)
-      damaged("says that its " + std::to_string(meta.fileSize) + " bytes unpack to " +
-              printBytes(meta.gridSize) + ", more than they can");
+  static std::string newest() { return std::to_string(kMajor) + "." + std::to_string(kNewestMinor); }
+
+  void checkVersion(std::uint32_t version, const std::string& place) const {
+    if (majorOf(version) == kMajor && minorOf(version) <= kNewestMinor) return;
+    refuse(Exit::kUnsupported, files_.input(), place,
+           "is NanoVDB of version " + std::to_string(majorOf(version)) + "." +
+               std::to_string(minorOf(version)) + "; " +
+               (majorOf(version) < kMajor ? std::to_string(kMajor) + ".0 to " : "up to ") + newest() +
+               " is read: save the volume as .vdb");
   }
 
-  openvdb::GridBase::Ptr read(std::size_t index) {
+  void readSegment() {
+    const auto head = readAt<SegmentHead>(take(sizeof(SegmentHead)), 0);
+    const std::size_t first = grids_.size();
+    for (std::uint16_t i = 0; i < head.grids; ++i) {
+      const auto stated = readAt<SegmentGrid>(take(sizeof(SegmentGrid)), 0);
+      const NanoBytes name = take(stated.name_size);
+      addGrid({reinterpret_cast<const char*>(name.data()), name.size()}, stated.type, stated.grid_class,
+              stated.voxels, stated.low, stated.high);
+      grids_.back().codec = head.codec;
+      grids_.back().size = stated.size;
+      grids_.back().stored = stated.stored;
+    }
+    for (std::size_t i = first; i < grids_.size(); ++i) takeBytes(grids_[i]);
+  }
+
+  void readRawGrid() {
+    const NanoBytes head = left_.first(nvdb::kHead);
+    // The voxels' box is at the beginning of the root.
+    std::int32_t box[6] = {};
+    const auto root = readAt<std::uint64_t>(head, nvdb::kRootOffset);
+    if (root <= left_.size() - nvdb::kTree && sizeof(box) <= left_.size() - nvdb::kTree - root)
+      std::memcpy(box, left_.data() + nvdb::kTree + root, sizeof(box));
+    addGrid({reinterpret_cast<const char*>(head.data()) + nvdb::kName, nvdb::kMap - nvdb::kName},
+            readAt<std::uint32_t>(head, nvdb::kType), readAt<std::uint32_t>(head, nvdb::kClass),
+            readAt<std::uint64_t>(head, nvdb::kVoxels), box, box + 3);
+    grids_.back().size = grids_.back().stored = readAt<std::uint64_t>(head, nvdb::kSize);
+    takeBytes(grids_.back());
+  }
+
+  void addGrid(std::string_view name, std::uint32_t type, std::uint32_t grid_class, std::uint64_t voxels,
+               const std::int32_t* low, const std::int32_t* high) {
+    NanoGrid& grid = grids_.emplace_back();
+    constexpr std::uint32_t kPointIndex = 4, kPointData = 5;
+    const bool points = grid_class == kPointIndex || grid_class == kPointData;
+    grid.number = type;
+    grid.type = points ? nullptr : findNanoType(type);
+    GridHeader& header = grid.header;
+    header.name = oneLine(name.substr(0, name.find('\0')), 80);
+    header.type = points ? "points" : nanoTypeName(type);
+    if (grid.type != nullptr) header.kind = grid.type->kind;
+    header.grid_class = classOf(grid_class);
+    header.active = voxels;
+    header.empty = voxels == 0;
+    for (int i = 0; i < 3; ++i) {
+      header.low[i] = std::clamp(low[i], -kMaxCoordinate, kMaxCoordinate);
+      header.high[i] = std::clamp(high[i], -kMaxCoordinate, kMaxCoordinate);
+    }
+  }
+
+  void takeBytes(NanoGrid& grid) {
+    const std::string place = "grid '" + grid.header.name + "'";
+    if (grid.codec > Codec::kBlosc) damaged(place, "is compressed in an unknown way");
+    if (grid.codec == Codec::kNone && grid.stored != grid.size) damaged(place, "has two sizes");
+    if (grid.size < nvdb::kHead)
+      damaged(place, "has " + std::to_string(grid.size) + " bytes, fewer than its own head takes");
+    if (grid.size / kMostUnpacked > grid.stored)
+      damaged(place, "says that its " + std::to_string(grid.stored) + " bytes unpack to " +
+                         printBytes(grid.size) + ", more than they can");
+    grid.bytes = take(grid.stored, place);
+  }
+
+  // Pieces of up to 1 GiB behind their length; zlib makes one of all.
+  void unpack(const NanoGrid& grid, std::span<std::byte> into) const {
+    constexpr std::size_t kPiece = std::size_t{1} << 30;
+    NanoBytes left = grid.bytes;
+    while (!into.empty()) {
+      if (left.size() < 8 || left.size() - 8 < readAt<std::uint64_t>(left, 0))
+        damaged("grid '" + grid.header.name + "'",
+                "goes on beyond byte " +
+                    std::to_string(left.data() + left.size() - std::as_bytes(std::span(bytes_)).data()) +
+                    ", where the file says that it ends");
+      const NanoBytes packed = left.subspan(8, readAt<std::uint64_t>(left, 0));
+      left = left.subspan(8 + packed.size());
+      std::size_t made = 0;
+      if (grid.codec == Codec::kZip) {
+        uLongf size = into.size();
+        if (uncompress(reinterpret_cast<Bytef*>(into.data()), &size,
+                       reinterpret_cast<const Bytef*>(packed.data()), packed.size()) == Z_OK)
+          made = size == into.size() ? size : 0;
+      } else if (blosc_cbuffer_validate(packed.data(), packed.size(), &made) != 0 ||
+                 made != std::min(into.size(), kPiece) ||
+                 blosc_decompress_ctx(packed.data(), into.data(), made, 1) != static_cast<int>(made)) {
+        made = 0;
+      }
+      if (made == 0) damaged("grid '" + grid.header.name + "'", "cannot be unpacked");
+      into = into.subspan(made);
+    }
+  }
+
+  openvdb::GridBase::Ptr read(std::size_t index) const {
     const NanoGrid& grid = grids_[index];
-    return readByLibrary(files_, "grid '" + grid.header.name + "'", stream_, [&] {
-      stream_.within(0, grid.end);
-      Handle handle = nanovdb::io::readGrid<nanovdb::HostBuffer>(stream_, index);
-      return grid.type->convert(handle);
-    });
+    const std::string place = "grid '" + grid.header.name + "'";
+    std::vector<Block> blocks(grid.size / sizeof(Block) + 1);
+    const auto bytes = std::as_writable_bytes(std::span(blocks)).first(grid.size);
+    if (grid.codec == Codec::kNone)
+      std::copy(grid.bytes.begin(), grid.bytes.end(), bytes.begin());
+    else
+      unpack(grid, bytes);
+    checkVersion(readAt<std::uint32_t>(bytes, nvdb::kVersion), place);
+    const auto size = readAt<std::uint64_t>(bytes, nvdb::kSize);
+    const std::string_view magic(reinterpret_cast<const char*>(bytes.data()), 8);
+    if ((magic != "NanoVDB0" && magic != "NanoVDB1") || size < nvdb::kHead || size > grid.size ||
+        readAt<std::uint32_t>(bytes, nvdb::kType) != grid.number)
+      damaged(place, "is not the grid that the file announces");
+    return callLibrary(files_, place, [&] { return grid.type->convert(bytes.first(size)); });
   }
 
   const InputFiles& files_;
   std::vector<std::uint8_t> bytes_;
-  ByteStream stream_;
+  NanoBytes left_;  // of the file
   std::vector<NanoGrid> grids_;
 };
 

@@ -13,10 +13,9 @@
 
 namespace kelp::bake {
 
-// Calls work(), which reads from `stream`. ToolError kInvalid, std::bad_alloc.
+// Calls work(). ToolError kInvalid, std::bad_alloc.
 template <class Work>
-auto readByLibrary(const InputFiles& files, const std::string& place, const ByteStream& stream,
-                   const Work& work) {
+auto callLibrary(const InputFiles& files, const std::string& place, const Work& work) {
   constexpr std::size_t kMost = 300;  // texts of OpenVDB have no bound on their length
   try {
     return work();
@@ -24,13 +23,6 @@ auto readByLibrary(const InputFiles& files, const std::string& place, const Byte
     throw;
   } catch (const std::bad_alloc&) {
     throw;
-  } catch (const std::ios_base::failure&) {
-    if (stream.end() < stream.size())
-      refuse(Exit::kInvalid, files.input(), place,
-             "goes on beyond byte " + std::to_string(stream.end()) +
-                 ", where the file says that it ends; the file is damaged: export the volume again");
-    refuse(Exit::kInvalid, files.input(), place,
-           "ends in the middle; it is truncated or damaged: export the volume again");
   } catch (const std::exception& error) {
     std::string what = oneLine({error.what(), strnlen(error.what(), kMost)});
     for (char& c : what)
@@ -38,6 +30,24 @@ auto readByLibrary(const InputFiles& files, const std::string& place, const Byte
     refuse(Exit::kInvalid, files.input(), place,
            "cannot be read (" + what + "); the file is damaged: export the volume again");
   }
+}
+
+// The same for work that reads from `stream`.
+template <class Work>
+auto readByLibrary(const InputFiles& files, const std::string& place, const ByteStream& stream,
+                   const Work& work) {
+  return callLibrary(files, place, [&] {
+    try {
+      return work();
+    } catch (const std::ios_base::failure&) {
+      if (stream.end() < stream.size())
+        refuse(Exit::kInvalid, files.input(), place,
+               "goes on beyond byte " + std::to_string(stream.end()) +
+                   ", where the file says that it ends; the file is damaged: export the volume again");
+      refuse(Exit::kInvalid, files.input(), place,
+             "ends in the middle; it is truncated or damaged: export the volume again");
+    }
+  });
 }
 
 }  // namespace kelp::bake

@@ -23,7 +23,7 @@ namespace kelp::bake {
 namespace {
 
 constexpr std::uint32_t kOldestVersion = 220;
-constexpr std::uint32_t kNewestVersion = 225;  // differs from 224, OpenVDB 10's, by grids of half alone
+constexpr std::uint32_t kNewestVersion = 225;  // differs from 224, OpenVDB 10's, by half grids alone
 
 struct VdbGrid {
   GridHeader header;
@@ -164,6 +164,7 @@ class VdbFile : private openvdb::io::Archive {
       // The next grid's head begins at `end`: no two have bytes in common.
       stream_.within(grid.end, stream_.size());
     } else if (!known && !last) {
+      if (grid.header.type.starts_with("half")) requireVoxels(files_, grid.header);
       refuse(
           Exit::kUnsupported, files_.input(), place,
           "has the type " + grid.header.type +

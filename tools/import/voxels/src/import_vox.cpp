@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "kelp/common/error.h"
+#include "kelp/common/memory.h"
 #include "kelp/import/core/files_used.h"
 #include "kelp/import/core/frame.h"
 #include "kelp/import/core/import_settings.h"
@@ -41,14 +42,14 @@ class VoxImporter {
   }
 
   SourceModel import() {
-    if (settings_.resolution_given)
-      refuse(Exit::kUsage, files_.input(), "--resolution " + std::to_string(settings_.resolution),
-             "MagicaVoxel models are baked voxel by voxel; leave the option out (--voxel-size says how large "
-             "a voxel is)");
     SourceModel out;
     out.outer = findOuterRig(files_, settings_);
     const std::vector<std::uint8_t> bytes = files_.readInput();
-    file_ = readVoxFile(files_, bytes);
+    file_ = readVoxFile(files_, bytes, settings_.max_memory > 0 ? settings_.max_memory : physicalMemory());
+    if (settings_.resolution_given)
+      file_.notices.push_back("--resolution " + std::to_string(settings_.resolution) +
+                              " is not used: MagicaVoxel models are baked voxel by voxel (--voxel-size says "
+                              "how large a voxel is)");
     VoxScene scene = arrangeVox(files_, file_, settings_.frame);
     measureModels();
     std::erase_if(scene.instances,

@@ -243,9 +243,20 @@ void readVoxels(Chunk& chunk, VoxModel& model) {
         chunk.damaged("has a voxel outside its model; save the file again");
 }
 
+glm::ivec3 readSize(Chunk& chunk) {
+  glm::ivec3 size;
+  for (int axis = 0; axis < 3; ++axis) size[axis] = chunk.integer();
+  for (int axis = 0; axis < 3; ++axis)
+    if (size[axis] < 0 || size[axis] > 256)
+      chunk.damaged("has a side of " + std::to_string(size[axis]) +
+                    " voxels, and models have at most 256; save the file again");
+  return size;
+}
+
 class VoxReader {
  public:
-  VoxReader(const InputFiles& files, VoxFile& file) : files_(files), file_(file) {}
+  VoxReader(const InputFiles& files, VoxFile& file, std::uint64_t max_memory)
+      : files_(files), file_(file), left_(max_memory) {}
 
   void read(std::span<const std::uint8_t> bytes, std::size_t begin, std::size_t end) {
     for (std::size_t at = begin; at < end;) {
@@ -270,19 +281,20 @@ class VoxReader {
   void readChunk(std::string_view id, Chunk& chunk) {
     if (id == "SIZE") {
       if (size_) chunk.damaged("follows another without voxels between them; save the file again");
-      glm::ivec3 size;
-      for (int axis = 0; axis < 3; ++axis) size[axis] = chunk.integer();
-      for (int axis = 0; axis < 3; ++axis)
-        if (size[axis] < 1 || size[axis] > 256)
-          chunk.damaged("has a side of " + std::to_string(size[axis]) +
-                        " voxels, and models have 1 to 256; save the file again");
-      size_ = size;
+      size_ = readSize(chunk);
     } else if (id == "XYZI") {
       if (!size_) chunk.damaged("has no SIZE before it; save the file again");
       readVoxels(chunk, file_.models.emplace_back(VoxModel{*size_, {}}));
       size_.reset();
+    } else if (id == "TDCZ") {
+      const glm::ivec3 size = readSize(chunk);
+      if (size_ && *size_ != size) chunk.damaged("has another size than the SIZE before it; save it again");
+      readPacked(chunk, size);
+      size_.reset();
     } else if (id == "RGBA") {
-      std::memcpy(file_.colors.emplace().data(), chunk.take(1024).data(), 1024);
+      // Teardown leaves the unused one out.
+      const std::size_t bytes = chunk.left() == 1020 ? 1020 : 1024;
+      std::memcpy(file_.colors.emplace().data(), chunk.take(bytes).data(), bytes);
     } else if (id == "IMAP") {
       std::memcpy(file_.index_map.emplace().data(), chunk.take(256).data(), 256);
     } else if (id == "nTRN" || id == "nGRP" || id == "nSHP") {
@@ -303,14 +315,24 @@ class VoxReader {
     }  // PACK says what the models' count says as well; cameras, lights and notes are no voxels
   }
 
+  void readPacked(Chunk& chunk, const glm::ivec3& size) {
+    std::vector<std::uint8_t> voxels = unpackVoxels(files_, chunk.place(), chunk.take(chunk.left()), size);
+    if (voxels.size() > left_)
+      refuse(Exit::kRuntime, files_.input(), chunk.place(),
+             "unpacks to more voxels than fit into memory; raise --max-memory, or split the file");
+    left_ -= voxels.size();
+    file_.models.push_back({size, file_.unpacked.emplace_back(std::move(voxels))});
+  }
+
   const InputFiles& files_;
   VoxFile& file_;
+  std::uint64_t left_;              // bytes that packed models may still take
   std::optional<glm::ivec3> size_;  // of the model whose voxels come next
 };
 
 }  // namespace
 
-VoxFile readVoxFile(const InputFiles& files, std::span<const std::uint8_t> bytes) {
+VoxFile readVoxFile(const InputFiles& files, std::span<const std::uint8_t> bytes, std::uint64_t max_memory) {
   if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty; save the model again");
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (!text.starts_with(std::string_view("VOX ").substr(0, bytes.size())))
@@ -341,7 +363,7 @@ VoxFile readVoxFile(const InputFiles& files, std::span<const std::uint8_t> bytes
   if (end < bytes.size())
     file.notices.push_back(std::to_string(bytes.size() - end) +
                            " bytes after the end of the MAIN chunk were not read");
-  VoxReader(files, file).read(bytes, begin, end);
+  VoxReader(files, file, max_memory).read(bytes, begin, end);
   return file;
 }
 

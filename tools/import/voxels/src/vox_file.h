@@ -20,7 +20,7 @@
 namespace kelp::bake {
 
 struct VoxModel {
-  glm::ivec3 size{0};  // 1 to 256 a side
+  glm::ivec3 size{0};  // 0 to 256 a side
   // x, y, z and color index of each, inside `size`; index 0: nothing; if several are in one place, the last
   // counts
   std::span<const std::uint8_t> voxels;
@@ -60,6 +60,7 @@ struct VoxMaterial {
 struct VoxFile {
   int version = 0;  // 150, 200
   std::vector<VoxModel> models;
+  std::vector<std::vector<std::uint8_t>> unpacked;  // voxels of models that the file has packed
   std::map<std::int32_t, VoxNode> nodes;
   std::map<std::int32_t, VoxLayer> layers;
   std::optional<std::array<std::array<std::uint8_t, 4>, 256>> colors;  // of indices 1 to 255, and one unused
@@ -72,8 +73,14 @@ struct VoxFile {
 };
 
 // The result holds views into `bytes`. ToolError kInvalid for damaged files, kUnsupported for another
-// version. Safe for hostile input: memory is bounded by the file's bytes.
-VoxFile readVoxFile(const InputFiles& files, std::span<const std::uint8_t> bytes);
+// version, kRuntime if packed models have more than `max_memory` bytes. Safe for hostile input: memory is
+// bounded by the file's bytes and by that.
+VoxFile readVoxFile(const InputFiles& files, std::span<const std::uint8_t> bytes, std::uint64_t max_memory);
+
+// The voxels, as VoxModel has them, of a model that Teardown packed: an index for each, x fastest, then y, by
+// zlib. ToolError kInvalid if that is not what `packed` holds, kUnsupported where there is no zlib.
+std::vector<std::uint8_t> unpackVoxels(const InputFiles& files, const std::string& place,
+                                       std::span<const std::uint8_t> packed, const glm::ivec3& size);
 
 struct VoxInstance {
   std::size_t model = 0;

@@ -179,12 +179,14 @@ VoxScene arrangeVox(const InputFiles& files, const VoxFile& file, std::optional<
            "has no model; there is nothing to bake: save a model that has voxels");
   if (file.nodes.empty()) {
     if (frame) checkFrame(files, *frame, static_cast<std::int64_t>(file.models.size()) - 1);
-    const std::size_t model = static_cast<std::size_t>(frame.value_or(0));
+    std::size_t model = static_cast<std::size_t>(frame.value_or(0));
+    while (!frame && model + 1 < file.models.size() && file.models[model].voxels.empty()) ++model;
     VoxScene scene;
     scene.instances.push_back({model, VoxelTurn(1), {0, 0, file.models[model].size.z / 2}, "object 1"});
     if (!frame && file.models.size() > 1)
-      scene.notices.push_back("the first of its " + std::to_string(file.models.size()) +
-                              " frames was taken; --frame N takes another, from 0 on");
+      scene.notices.push_back("the first of its " + std::to_string(file.models.size()) + " frames " +
+                              (model == 0 ? "" : "that has voxels, " + std::to_string(model) + ", ") +
+                              "was taken; --frame N takes another, from 0 on");
     return scene;
   }
   const std::int64_t last = lastFrame(file);

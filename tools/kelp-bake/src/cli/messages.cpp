@@ -197,7 +197,8 @@ void printSummary(const Options& options, const bake::Report& report, double sec
     line += fmt::format(", {}, {}", counted(triangles, "triangle"), counted(report.materials, "material"));
   if (report.images > 0) line += fmt::format(", {}", counted(report.images, "picture"));
   sayNote(line + ", " +
-          (triangles > 0 || options.settings.voxel_size || options.settings.resolution_given
+          (triangles > 0 || options.settings.voxel_size ||
+                   (options.settings.resolution_given && report.format != "MagicaVoxel")
                ? printGrain(options, report.format)
                : keptVoxels(report.format)));
   printParts(options, report);

@@ -164,7 +164,8 @@ void addLookOptions(Adder& add, bake::Settings& settings, bool& no_distance) {
            settings.keep_materials);
   add.heading("Volumes");
   add.option("--grid", "NAME|INDEX",
-             "volumes: the grid to bake, by name or by index from 0; needed if the file has several",
+             "volumes: the grid to bake, by name or by index from 0 (default: density, or the only level set "
+             "or fog volume)",
              text(settings.grid));
   add.option("--volume", "auto|solid|fog",
              "volumes; auto: solid for level sets, masks, and densities with --isovalue, fog for other "
