@@ -93,7 +93,7 @@ std::string makeInfo(const std::filesystem::path& input, const SourceModel& mode
   OrderedJson options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
-  } else if (!volume || (settings.resolution_given && format != "MagicaVoxel")) {
+  } else if (!volume || (settings.resolution_given && model.format != "MagicaVoxel")) {
     // a volume keeps its own voxels unless told otherwise; a MagicaVoxel model in any case
     options["resolution"] = settings.resolution;
   }
