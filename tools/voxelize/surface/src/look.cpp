@@ -151,7 +151,8 @@ glm::vec4 SurfaceLook::colorAt(const Nearest& nearest, float footprint) const {
   const std::array<float, 3> weights = cornerWeights(nearest);
   if (!soup_.colors.empty()) {
     const auto& c = soup_.colors[solid.source];
-    color *= c[0] * weights[0] + c[1] * weights[1] + c[2] * weights[2];
+    // One color stays that color: rounding would make many of it.
+    color *= c[0] == c[1] && c[1] == c[2] ? c[0] : c[0] * weights[0] + c[1] * weights[1] + c[2] * weights[2];
   }
   if (source.texture >= 0 && !soup_.uvs.empty())
     color *= mapAt(nearest, {source.texture, source.wrap_u, source.wrap_v, source.nearest}, footprint);
