@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "extract_packs.h"
-#include "kelp/rig/rig.h"
+#include "kelp/rig/rig_file.h"
 
 namespace kelp {
 namespace {
@@ -90,7 +90,15 @@ TEST_F(KelpDumpCost, ASkinsRigComesFromInfo) {
             (std::vector<Group>{Group{{"hip"}, 0, 2}, Group{{"tail", "tip"}, 4, 1}}));
   EXPECT_EQ(parseRig(printed(good, {"--part", "1"}).out).clips.size(), 1u);
   EXPECT_EQ(parseRig(printed(good, {"--axis", "+x"}).out).clips.size(), 1u);
-  // Anything else: a word about it, and the rig of the first part.
+  // With the rigs that a rig file gave parts.
+  std::string given = good;
+  given.replace(given.find("4}"), 2, R"(4,"rig":true})");
+  const RigFile both = parseRigFile(printed(given).out);
+  EXPECT_EQ(both.whole.skin, parseRig(result.out).skin);
+  ASSERT_EQ(both.parts.size(), 1u);
+  EXPECT_EQ(both.parts[0].name, "b");
+  EXPECT_EQ(both.parts[0].rig.clips.size(), 1u);
+  // Anything else: a word about it, and the rigs of the parts.
   const char* const kBad[] = {
       "3",
       "{}",
@@ -108,8 +116,23 @@ TEST_F(KelpDumpCost, ASkinsRigComesFromInfo) {
     EXPECT_EQ(said.exit, 0) << bad << said.err;
     EXPECT_NE(said.err.find("its INFO describes a skin that cannot be used ("), std::string::npos)
         << bad << said.err;
-    EXPECT_TRUE(parseRig(said.out).skin.empty()) << bad;
-    EXPECT_EQ(parseRig(said.out).clips.size(), 1u) << bad;
+    const RigFile file = parseRigFile(said.out);
+    EXPECT_TRUE(file.whole.skin.empty()) << bad;
+    ASSERT_EQ(file.parts.size(), 3u) << bad;
+    EXPECT_EQ(file.parts[0].rig.clips.size(), 1u) << bad;
+  }
+}
+
+TEST_F(KelpDumpCost, NamesThatNoRigFileHas) {
+  for (const auto& [names, said] :
+       {std::pair<std::vector<std::string>, const char*>{{"a", "a"}, "stands twice"},
+        {{"a", ""}, "1 to 255 bytes"}}) {
+    const ProcessResult result = test::dump({"rig", write("pack.kelp", pack(names))});
+    EXPECT_EQ(result.exit, 3);
+    EXPECT_EQ(result.out, "");
+    EXPECT_NE(result.err.find(said), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("--part INDEX"), std::string::npos) << result.err;
+    EXPECT_EQ(test::dump({"rig", write("pack.kelp", pack(names)), "--part", "1"}).exit, 0);
   }
 }
 

@@ -11,7 +11,7 @@
 #include "../formats/pack_surgeon.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/raw_pack.h"
-#include "kelp/rig/rig.h"
+#include "kelp/rig/rig_file.h"
 #include "process.h"
 #include "support/json_schema.h"
 #include "support/random_pack.h"
@@ -236,8 +236,15 @@ TEST_F(KelpDump, RigPrintsWhatTheBakerReads) {
   writePack(packOf(levelsOf(blob(), 1)));
   ProcessResult result = dump({"rig", path()});
   EXPECT_EQ(result.exit, 0);
+  EXPECT_EQ(result.err, "");
+  const RigFile file = parseRigFile(result.out);
+  ASSERT_EQ(file.parts.size(), 2u);
+  EXPECT_EQ(file.parts[0].name, "blob");
+  EXPECT_EQ(file.parts[1].name, "twin");
+  result = dump({"rig", path(), "--axis", "+y"});
   EXPECT_NE(result.err.find("has 2 parts, this is part 0 'blob'"), std::string::npos) << result.err;
   const RigDescription rig = parseRig(result.out);
+  EXPECT_EQ(file.parts[0].rig, rig);
   ASSERT_EQ(rig.clips.size(), 1u);
   EXPECT_EQ(rig.clips[0].waves.size(), 5u);
   EXPECT_FLOAT_EQ(rig.clips[0].waves[0].amplitude.x, 0.11f);

@@ -58,8 +58,8 @@ def machine(height=2.0, hangs=True):
     """Boxes below each other and below an empty that turns; animations turn, move and scale them."""
     gltf = Gltf()
     points = [(a * 0.2, b * height, c * 0.3) for a in (0, 1) for b in (0, 1) for c in (0, 1)]
-    corners = [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7,
-               1, 7, 3]
+    corners = [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5,
+               7, 1, 7, 3]
     place = gltf.add("VEC3", 5126, [v for p in points for v in p], min=[0, 0, 0], max=[0.2, height, 0.3])
     mesh = {"primitives": [{"attributes": {"POSITION": place}, "indices": gltf.add("SCALAR", 5123, corners)}]}
     times = gltf.add("SCALAR", 5126, [0, 0.4, 0.9, 1.7], min=[0], max=[1.7])
@@ -77,11 +77,12 @@ def machine(height=2.0, hangs=True):
         {"name": "arm", "mesh": 0, "rotation": [0.6, 0, 0, 0.8], "translation": [-1, 0, 0], "children": [4]},
         {"name": "arm", "mesh": 0, "translation": [0, 2, 0], "rotation": [half, 0, 0, half]},
         {"name": "tail", "mesh": 0, "translation": [0, 0, 2], "extras": {"kelp": {
-            "kelp": 1, "axis": "-x", "parent_at": 0.5 if hangs else -1, "knots": [{"at": 0}, {"at": 0.5}, {"at": 1}],
+            "kelp": 1, "axis": "-x", "parent_at": 0.5 if hangs else -1,
+            "knots": [{"at": 0}, {"at": 0.5}, {"at": 1}],
             "clips": {"wag": {"waves": [{"knot": 2, "offset": [0, 0, 0.05], "period": 2}]}},
             "sockets": {"tip": {"at": 1, "rotation": [0, half, 0, half]}}}}}]
-    channels = [(1, "rotation", turns), (1, "translation", steps), (3, "rotation", turns), (4, "scale", sizes),
-                (4, "rotation", turns), (0, "translation", steps)]
+    channels = [(1, "rotation", turns), (1, "translation", steps), (3, "rotation", turns),
+                (4, "scale", sizes), (4, "rotation", turns), (0, "translation", steps)]
     return json.dumps({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": nodes,
         "meshes": [mesh],
@@ -108,12 +109,14 @@ class PartRigs(unittest.TestCase):
 
     def bake(self, source, *options, fails=0):
         result = subprocess.run([BAKE, self.path(source), "-o", self.path("out.kelp"), "--progress", "none",
-                                 "--report", self.path("report.json"), *options], capture_output=True, text=True)
+                                 "--report", self.path("report.json"), *options], capture_output=True,
+                                text=True)
         self.assertEqual(result.returncode, fails, result.stderr)
         return result.stderr
 
     def dump(self, *options, fails=0):
-        result = subprocess.run([DUMP, "rig", self.path("out.kelp"), *options], capture_output=True, text=True)
+        result = subprocess.run([DUMP, "rig", self.path("out.kelp"), *options], capture_output=True,
+                                text=True)
         self.assertEqual(result.returncode, fails, result.stderr)
         return result.stderr if fails else result.stdout
 
@@ -287,15 +290,15 @@ class PartRigs(unittest.TestCase):
                 ('{"kelp": 1, "parts": {"": {}}}', "1 to 255 bytes"),
                 ('{"kelp": 1, "parts": {"a\\n": {}}}', "control characters"),
                 ('{"kelp": 1, "parts": {"body": {}, "body": {}}}', "the key 'body' stands twice"),
-                ('{"kelp": 1, "parts": {"body": {}}, "knots": []}', "/knots: beside \"parts\""),
-                ('{"kelp": 1, "parts": {"body": {}}, "part": 1}', "/part: unknown key; did you mean 'parts'?"),
-                ('{"kelp": 1, "part": {"body": {}}}', "/part: unknown key; did you mean 'parts'?"),
+                ('{"kelp": 1, "parts": {"body": {}}, "knots": []}', '/knots: beside "parts"'),
+                ('{"kelp": 1, "parts": {"body": {}}, "part": 1}', "/part: unknown key; did you mean"),
+                ('{"kelp": 1, "part": {"body": {}}}', "/part: unknown key; did you mean"),
                 ('{"parts": {"body": {}}}', "'kelp' is missing"),
                 ('{"kelp": 2, "parts": {"body": {}}}', "/kelp: this tool reads version 1"),
-                ('{"kelp": 1, "parts": {"body": {"kelp": 2}}}', "/parts/body/kelp: this tool reads version 1"),
+                ('{"kelp": 1, "parts": {"body": {"kelp": 2}}}', "/parts/body/kelp: this tool reads"),
                 ('{"kelp": 1, "parts": {"body": {"skin": {"parts": [{"joints": ["a"]}]}}}}',
                  "/parts/body/skin: unknown key"),
-                ('{"kelp": 1, "parts": {"body": {"parts": {"body": {}}}}}', "/parts/body/parts: unknown key"),
+                ('{"kelp": 1, "parts": {"body": {"parts": {"a": {}}}}}', "/parts/body/parts: unknown key"),
                 ('{"kelp": 1, "parts": {"body": {"knots": [{"at": 0}]}}}', "/parts/body/knots: has 1 knot"),
                 ('{"kelp": 1, "parts": {"body": {"parent_at": 0.5}}}', "no parent part"),
                 ('{"kelp": 1, "parts": {' + ", ".join('"%d": {}' % i for i in range(5000)) + "}}",

@@ -132,7 +132,7 @@ class Round : public ::testing::Test {
       wave.amplitude += glm::transpose(axisRotation(*rig.axis)) * glm::vec3(0.03f, 0, 0.06f);
     ASSERT_EQ(editor.change(0, rig), "");
     const std::string saved = (scratch_ / "mine.rig.json").string();
-    scratch_.write("mine.rig.json", editor.text(0));
+    scratch_.write("mine.rig.json", printRig(editor.rig(0)));
 
     const Opened after(bake(source, "after.kelp", withRig(saved)));
     ASSERT_TRUE(after.asset);
@@ -204,7 +204,7 @@ TEST_F(Round, APartThatIsSweptAndRolled) {
     ASSERT_EQ(editor.pull({0, 0, Handle::Kind::kTangent}, {-0.7f, 1, 0}), "");
     ASSERT_EQ(editor.pull({0, 1, Handle::Kind::kTangent}, {-0.3f, -2, 0}), "");
     ASSERT_LT(editor.realized().parts[0].knots[1].tangent.y, -0.5f);
-    const std::string saved = scratch_.write("mine.rig.json", editor.text(0)).string();
+    const std::string saved = scratch_.write("mine.rig.json", printRig(editor.rig(0))).string();
 
     // The bend in the file counts, not the option.
     const Opened after(bake(source, "after.kelp", {"--rig", saved, "--bend", "shear"}));

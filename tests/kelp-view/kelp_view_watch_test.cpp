@@ -203,6 +203,7 @@ TEST_F(WorkshopTest, ASavedRigIsBakedWhateverTheRigWasBefore) {
   EXPECT_EQ(wait(preset), Workshop::News::kBaked);
   EXPECT_NE(log().back().find(" --rig " + beside + " "), std::string::npos);
 
+  EXPECT_EQ(Workshop(order("skin"), program_).rigPath(), beside);
   Workshop own(order((scratch_ / "mine.json").string()), program_);
   EXPECT_EQ(own.rigPath(), (scratch_ / "mine.json").string());
 }

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "kelp/rig/rig.h"
+#include "kelp/rig/rig_file.h"
 #include "support/json_schema.h"
 
 namespace kelp {
@@ -14,7 +14,7 @@ const std::string kFolder = std::string(KELP_SOURCE_DIR) + "/tools/rig/";
 
 bool parses(const std::string& text) {
   try {
-    parseRig(text);
+    parseRigFile(text);
     return true;
   } catch (const RigError&) {
     return false;
@@ -29,22 +29,35 @@ TEST(RigSchema, AcceptsTheExamplesOfItsPage) {
   for (std::size_t at = readme.find("```json\n"); at != std::string::npos;
        at = readme.find("```json\n", at + 1)) {
     const std::string text = readme.substr(at + 8, readme.find("```", at + 8) - at - 8);
-    const RigDescription rig = parseRig(text);
+    const RigFile rigs = parseRigFile(text);
     EXPECT_EQ(schema.check(nlohmann::json::parse(text)), "") << text;
-    EXPECT_EQ(schema.check(nlohmann::json::parse(printRig(rig))), "") << text;
-    const RawRig rest = realizeRig(rig);
-    EXPECT_NO_THROW(checkRest(rest, {32, 256, 32}));
-    EXPECT_NO_THROW(realizeSockets(rig, 0));
-    for (const RawClip& clip : realizeClips(rig, 0)) EXPECT_NO_THROW(proveClip(clip, 0, rest, {64, 128, 64}));
+    EXPECT_EQ(schema.check(nlohmann::json::parse(printRigFile(rigs))), "") << text;
+    std::vector<RigDescription> all{rigs.whole};
+    for (const RigFile::PartRig& part : rigs.parts) all.push_back(part.rig);
+    for (const RigDescription& rig : all) {
+      const RawRig rest = realizeRig(rig);
+      EXPECT_NO_THROW(checkRest(rest, {32, 256, 32}));
+      EXPECT_NO_THROW(realizeSockets(rig, 0));
+      for (const RawClip& clip : realizeClips(rig, 0))
+        EXPECT_NO_THROW(proveClip(clip, 0, rest, {64, 128, 64}));
+    }
     ++examples;
   }
-  EXPECT_EQ(examples, 7);
+  EXPECT_EQ(examples, 8);
 }
 
 TEST(RigSchema, AgreesWithTheParser) {
   const test::JsonSchema schema(kFolder + "rig.schema.json");
   for (const std::string& name : presetNames())
     EXPECT_EQ(schema.check(nlohmann::json::parse(printRig(*presetRig(name)))), "");
+  const char* const kTakenByBoth[] = {
+      R"({"kelp": 1, "parts": {"a": {}, "b c": {"kelp": 1, "bend": "sweep", "roll": 1}}})",
+      R"({"kelp": 1, "parts": {"a": {}}, "skin": {"parts": [{"joints": ["a"]}]}})",
+  };
+  for (const char* text : kTakenByBoth) {
+    EXPECT_TRUE(parses(text)) << text;
+    EXPECT_EQ(schema.check(nlohmann::json::parse(text)), "") << text;
+  }
   const char* const kRefusedByBoth[] = {
       R"({})",
       R"({"kelp": 2})",
@@ -75,6 +88,19 @@ TEST(RigSchema, AgreesWithTheParser) {
       R"({"kelp": 1, "skin": {"parts": [{"joints": ["a", "b"], "knots": 5, "pieces": 1}]}})",
       R"({"kelp": 1, "skin": {"parts": [{"joints": ["a"]}]}, "clips": {}})",
       R"({"kelp": 1, "bend": "sweep", "skin": {"parts": [{"joints": ["a"]}]}})",
+      R"({"kelp": 1, "parts": {}})",
+      R"({"kelp": 1, "parts": [{}]})",
+      R"({"parts": {"a": {}}})",
+      R"({"kelp": 1, "parts": {"": {}}})",
+      R"({"kelp": 1, "parts": {"a": 1}})",
+      R"({"kelp": 1, "parts": {"a": {"kelp": 2}}})",
+      R"({"kelp": 1, "parts": {"a": {"roll": 1}}})",
+      R"({"kelp": 1, "parts": {"a": {"knots": [{"at": 0}]}}})",
+      R"({"kelp": 1, "parts": {"a": {"parts": {"a": {}}}}})",
+      R"({"kelp": 1, "parts": {"a": {"skin": {"parts": [{"joints": ["a"]}]}}}})",
+      R"({"kelp": 1, "parts": {"a": {}}, "axis": "+x"})",
+      R"({"kelp": 1, "parts": {"a": {}}, "bend": "sweep", "roll": 1})",
+      R"({"kelp": 1, "parts": {"a": {}}, "skin": {"parts": []}})",
       R"({"kelp": 1, "clips": {"": {"waves": [{"knot": 1, "offset": [0, 0, 0], "period": 1}]}}})",
       R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "offset": [0, 0, 0], "tangent": [0, 0, 0], "period": 1}]}}})",
       R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "offset": [0, 0, 0], "period": 0}]}}})",

@@ -144,8 +144,9 @@ RigAxes axesOf(const Pack& pack, const RiggedPack& rigged, int index) {
     if (!straight) axes.turn = turn;
   }
   if (!rigid)
-    axes.trouble = "the spline does not run along an axis of the file: put the rig into extras.kelp of the node '" +
-                   std::string(part.name) + "'";
+    axes.trouble =
+        "the spline does not run along an axis of the file: put the rig into extras.kelp of the node '" +
+        std::string(part.name) + "'";
   return axes;
 }
 

@@ -36,7 +36,8 @@ RigFile merged(std::optional<RigFile> old, const RigEditor& editor, int part) {
   }
   for (int other = 0; other < editor.parts(); ++other)
     if (other != part && editor.name(other) == editor.name(part))
-      throw RigError("two parts have the name '" + editor.name(part) + "': bake the pack again, or rename one");
+      throw RigError("two parts have the name '" + editor.name(part) +
+                     "': bake the pack again, or rename one");
   const auto its = std::find_if(file.parts.begin(), file.parts.end(),
                                 [&](const RigFile::PartRig& rig) { return rig.name == editor.name(part); });
   if (its == file.parts.end())

@@ -77,15 +77,15 @@ std::string readSkinParts(const Json& skin, std::size_t count, RiggedPack& out) 
 
 RiggedPack::RiggedPack(const Pack& pack) {
   const Json info = parseInfo(pack.infoJson());
-  const Json &options = memberOf(info, "options"), &noted = memberOf(info, "axes"), &divided = memberOf(info, "skin");
+  const Json &options = memberOf(info, "options"), &noted = memberOf(info, "axes"),
+             &divided = memberOf(info, "skin");
   if (!divided.is_null()) skin_problem = readSkinParts(divided, pack.parts().size(), *this);
   by_part = pack.parts().size() > 1 || memberOf(options, "parts") == "nodes" || !skin.skin.empty();
   skin_asked = memberOf(options, "rig") == "skin";
   for (const Part& part : pack.parts()) {
     const Json& axis = memberOf(noted, part.name);
-    axes.push_back(
-        (axis.is_string() ? parseAxis(axis.get_ref<const std::string&>()) : std::nullopt)
-            .value_or(axisByPlace(part.to_object, part.pivot).value_or(Axis::kPlusY)));
+    axes.push_back((axis.is_string() ? parseAxis(axis.get_ref<const std::string&>()) : std::nullopt)
+                       .value_or(axisByPlace(part.to_object, part.pivot).value_or(Axis::kPlusY)));
   }
 }
 

@@ -14,7 +14,7 @@ namespace {
 using namespace rig;
 
 constexpr int kLanguageVersion = 1;
-constexpr double kShortestPeriod = 1e-3;   // seconds
+constexpr double kShortestPeriod = 1e-3;  // seconds
 
 int readKnotIndex(const Place& place, std::size_t knots) {
   const double value = readNumber(place);

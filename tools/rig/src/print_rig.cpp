@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// RigDescription and RigFile -> JSON text with one wave or key a line. Numbers are the shortest that read back equal.
+// RigDescription and RigFile -> JSON text with one wave or key a line. Numbers are the shortest that read
+// back equal.
 #include <locale>
 #include <set>
 #include <sstream>

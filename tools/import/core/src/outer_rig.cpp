@@ -78,7 +78,7 @@ void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const Impor
   if (outer && outer->dividesSkin())
     throw ToolError(Exit::kInvalid, "the rig (" + outer->origin + ") divides a skin (\"skin\"), and part '" +
                                         part.name + "' has none: take another rig, or leave it out");
-  const RigDescription* const rig = !outer            ? nullptr
+  const RigDescription* const rig = !outer             ? nullptr
                                     : outer->isWhole() ? &outer->file.whole
                                                        : outer->file.find(part.name);
   if (rig) {

@@ -60,8 +60,7 @@ class GltfImporter {
       makeParts();
     }
     if (out_.parts.empty()) explainEmptiness(model_);
-    if (!settings_.at)
-      noteUnusedMotion(model_, animations_, used_, settings_.parts, whole_.has_value());
+    if (!settings_.at) noteUnusedMotion(model_, animations_, used_, settings_.parts, whole_.has_value());
     return std::move(out_);
   }
 

@@ -116,10 +116,11 @@ void addModelOptions(Adder& add, bake::Settings& settings, Options& options) {
              "that bends",
              number(settings.pad));
   add.heading("Bending");
-  add.option("--rig", "FILE|none|sway|swim|skin",
-             "a rig file (JSON), a preset, or skin: the file's skin (default: STEM.rig.json beside the "
-             "input, or else the rig or the skin in the file)",
-             rig(settings));
+  add.option(
+      "--rig", "FILE|none|sway|swim|skin",
+      "a rig file (JSON; \"parts\": one rig for each part), a preset, or skin: the file's skin (default: "
+      "STEM.rig.json beside the input, or else the rig or the skin in the file)",
+      rig(settings));
   add.option("--axis", "+x|-x|+y|-y|+z|-z",
              "the axis to bend along if the rig has none, in the file's axes (default: --up)",
              axis(settings.axis));

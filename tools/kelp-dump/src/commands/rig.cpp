@@ -67,12 +67,11 @@ Exit runRig(const RigOptions& options) {
 
 Command addRig(CLI::App& app) {
   const auto options = std::make_shared<RigOptions>();
-  CLI::App* const command =
-      addCommand(app, "rig",
-                 "Print rigs and clips as rig JSON: of several parts by name; of a skin, how it is divided",
-                 "  kelp-dump rig reed.kelp > reed.rig.json    beside reed.glb, kelp-bake takes it\n"
-                 "  kelp-dump rig hero.kelp --part arm_r       the rig of one part alone\n"
-                 "  kelp-dump rig fox.kelp > fox.rig.json      of a skin: which joints make which parts\n");
+  CLI::App* const command = addCommand(
+      app, "rig", "Print rigs and clips as rig JSON: of several parts by name; of a skin, how it is divided",
+      "  kelp-dump rig reed.kelp > reed.rig.json    beside reed.glb, kelp-bake takes it\n"
+      "  kelp-dump rig hero.kelp --part arm_r       the rig of one part alone\n"
+      "  kelp-dump rig fox.kelp > fox.rig.json      of a skin: which joints make which parts\n");
   addPack(command, options->path);
   addPart(command, options->part, "all; with --axis, the first");
   command
