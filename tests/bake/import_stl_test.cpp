@@ -39,6 +39,15 @@ TEST(ImportStl, FacetsAreThoseOfTheFileWhereTheCountIsWrong) {
                           "declares 4294967295 facets, but the file holds 24: all of them are read"));
 }
 
+// The last facet may be cut off.
+TEST(ImportStl, BytesThatAreNoFacetAreCounted) {
+  const Scratch scratch;
+  const std::string file = stlBoxes("a", 0);
+  const SourceModel model = importFile(scratch.write("a.stl", file.substr(0, file.size() - 10)), {});
+  EXPECT_EQ(model.parts[0].soup.triangles.size(), 23u);
+  EXPECT_TRUE(anyContains(model.notices, "are read, without the 40 bytes at its end"));
+}
+
 // With normals, colors, a first word as of a text, and what other programs leave behind.
 TEST(ImportStl, FacetsOfOtherProgramsAreCountedToo) {
   const Scratch scratch;

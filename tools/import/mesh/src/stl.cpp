@@ -209,9 +209,12 @@ void readStl(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
     refuse(Exit::kInvalid, files.input(), "header",
            "declares " + std::to_string(declared) + " facets but the file holds " + std::to_string(fits) +
                "; it is truncated or not an STL");
-  if (facets != declared)
+  if (facets != declared) {
+    const std::size_t rest = bytes.size() - kHeaderBytes - facets * kFacetBytes;
     out.notices.push_back("the header declares " + std::to_string(declared) + " facets, but the file holds " +
-                          std::to_string(facets) + ": all of them are read");
+                          std::to_string(facets) + ": all of them are read" +
+                          (rest > 0 ? ", without the " + std::to_string(rest) + " bytes at its end" : ""));
+  }
   readBinary(files, bytes, facets, soup);
 }
 
