@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <span>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -16,19 +18,20 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Points of a component that are looked at: most of them must be inside another one.
-constexpr std::size_t kWitnesses = 15;
-// The largest shells that are looked at; no file has as many.
-constexpr std::size_t kMostShells = 256;
+constexpr std::size_t kWitnesses = 9;
+// The largest shells that are looked at, and of each the largest components in its box, and around it: no
+// file needs as many, and the work stays in proportion to the file.
+constexpr std::size_t kMostShells = 256, kMostTried = 64;
 
 using Corners = std::array<glm::dvec3, 3>;
 
 // Triangles that share corners, of one part.
 struct Shell {
   std::size_t part = 0;
-  std::vector<std::uint32_t> triangles;
-  double volume = 0;         // signed: negative if it is turned inside out
-  bool single_sided = true;  // all of it
-  bool closed = false;       // known for those that matter
+  std::span<const std::uint32_t> triangles;
+  double volume = 0;             // signed: negative if it is turned inside out
+  bool single_sided = true;      // all of it
+  std::optional<bool> closed{};  // once it was asked for
   glm::dvec3 low{kInfinity}, high{-kInfinity};
 
   bool contains(const Shell& other) const {
@@ -54,8 +57,9 @@ class Places {
   const SourceModel& model_;
 };
 
-// Appends the components of a part.
-void findShells(const SourceModel& model, std::size_t index, const Places& places, std::vector<Shell>& out) {
+// Appends the components of a part, whose triangles are one after the other in `order`.
+void findShells(const SourceModel& model, std::size_t index, const Places& places,
+                std::vector<std::uint32_t>& order, std::vector<Shell>& out) {
   const TriangleSoup& soup = model.parts[index].soup;
   std::vector<std::uint32_t> root(soup.positions.size());
   std::iota(root.begin(), root.end(), 0u);
@@ -65,31 +69,33 @@ void findShells(const SourceModel& model, std::size_t index, const Places& place
   };
   for (const TriangleSoup::Triangle& triangle : soup.triangles)
     for (const std::size_t i : {1, 2}) root[find(triangle.vertex[i])] = find(triangle.vertex[0]);
-  constexpr std::uint32_t kNone = 0xffffffffu;
-  std::vector<std::uint32_t> number(soup.positions.size(), kNone);
-  for (std::uint32_t t = 0; t < soup.triangles.size(); ++t) {
-    const TriangleSoup::Triangle& triangle = soup.triangles[t];
-    std::uint32_t& its = number[find(triangle.vertex[0])];
-    if (its == kNone) {
-      its = static_cast<std::uint32_t>(out.size());
-      out.emplace_back().part = index;
-    }
-    Shell& shell = out[its];
-    shell.triangles.push_back(t);
-    shell.single_sided = shell.single_sided && !model.materials[triangle.material].double_sided;
-    const Corners at = places.of(shell, t);
-    for (const glm::dvec3& corner : at) {
-      shell.low = glm::min(shell.low, corner);
-      shell.high = glm::max(shell.high, corner);
-    }
+  order.resize(soup.triangles.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto shellOf = [&](std::uint32_t t) { return find(soup.triangles[t].vertex[0]); };
+  std::ranges::stable_sort(order, std::less<>(), shellOf);
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && shellOf(order[end]) == shellOf(order[begin])) ++end;
+    Shell& shell = out.emplace_back();
+    shell.part = index;
+    shell.triangles = std::span(order).subspan(begin, end - begin);
     // Around a point of its own: far from the origin the terms would cancel badly.
-    const glm::dvec3 origin = places.of(shell, shell.triangles.front())[0];
-    shell.volume += glm::dot(at[0] - origin, glm::cross(at[1] - origin, at[2] - origin)) / 6;
+    const glm::dvec3 origin = places.of(shell, order[begin])[0];
+    for (const std::uint32_t t : shell.triangles) {
+      shell.single_sided = shell.single_sided && !model.materials[soup.triangles[t].material].double_sided;
+      const Corners at = places.of(shell, t);
+      for (const glm::dvec3& corner : at) {
+        shell.low = glm::min(shell.low, corner);
+        shell.high = glm::max(shell.high, corner);
+      }
+      shell.volume += glm::dot(at[0] - origin, glm::cross(at[1] - origin, at[2] - origin)) / 6;
+    }
   }
 }
 
-// True if every edge is there once in each direction.
-bool isClosed(const TriangleSoup& soup, const Shell& shell) {
+// True if every edge is there as often in each direction.
+bool isClosed(const SourceModel& model, Shell& shell) {
+  if (shell.closed) return *shell.closed;
+  const TriangleSoup& soup = model.parts[shell.part].soup;
   std::vector<std::pair<std::uint64_t, bool>> edges;  // the lower corner and the higher; runs upwards
   for (const std::uint32_t t : shell.triangles)
     for (std::size_t i = 0; i < 3; ++i) {
@@ -102,10 +108,10 @@ bool isClosed(const TriangleSoup& soup, const Shell& shell) {
     std::ptrdiff_t balance = 0;
     for (; end < edges.size() && edges[end].first == edges[i].first; ++end)
       balance += edges[end].second ? 1 : -1;
-    if (balance != 0) return false;
+    if (balance != 0) return *(shell.closed = false);
     i = end;
   }
-  return true;
+  return *(shell.closed = true);
 }
 
 // Twice the signed area of a, b and p seen along x. The same for (b, a), but for its sign: a point beside an
@@ -132,9 +138,8 @@ int windingAt(const Shell& shell, const Places& places, const glm::dvec3& point)
   return winding;
 }
 
-// True if most of a shell is inside another.
+// True if most of a shell is inside another whose box contains it.
 bool isInside(const Shell& inner, const Shell& outer, const Places& places) {
-  if (!outer.contains(inner)) return false;
   const std::size_t count = std::min(kWitnesses, inner.triangles.size());
   std::size_t inside = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -184,25 +189,34 @@ void removeTriangles(TriangleSoup& soup, const std::vector<bool>& removed) {
 void removeCulled(SourceModel& model) {
   const Places places(model);
   std::vector<Shell> shells;
-  for (std::size_t i = 0; i < model.parts.size(); ++i) findShells(model, i, places, shells);
+  std::vector<std::vector<std::uint32_t>> orders(model.parts.size());
+  for (std::size_t i = 0; i < model.parts.size(); ++i) findShells(model, i, places, orders[i], shells);
+  std::ranges::stable_sort(shells, std::greater<>(), &Shell::extent);
   const auto isTurned = [](const Shell& shell) { return shell.single_sided && shell.volume < 0; };
-  std::vector<const Shell*> turned;
-  for (const Shell& shell : shells)
-    if (isTurned(shell)) turned.push_back(&shell);
-  std::ranges::stable_sort(turned, std::greater<>(), &Shell::extent);
-  turned.resize(std::min(turned.size(), kMostShells));
+  // The first ones for which `inBox` is true.
+  const auto anyOf = [&](const auto& inBox, const auto& test) {
+    std::size_t tried = 0;
+    for (Shell& other : shells) {
+      if (!inBox(other)) continue;
+      if (test(other)) return true;
+      if (++tried == kMostTried) break;
+    }
+    return false;
+  };
   std::vector<const Shell*> culled;
-  for (const Shell* const shell : turned) {
-    const auto standsAround = [&](const Shell& other) {
-      return !isTurned(other) && isInside(other, *shell, places);
+  std::size_t looked_at = 0;
+  for (Shell& shell : shells) {
+    if (!isTurned(shell) || ++looked_at > kMostShells) continue;
+    const bool stands_around =
+        isClosed(model, shell) &&
+        anyOf([&](const Shell& other) { return !isTurned(other) && shell.contains(other); },
+              [&](const Shell& other) { return isInside(other, shell, places); });
+    const auto isWall = [&](Shell& other) {
+      return isClosed(model, other) && isInside(shell, other, places);
     };
-    const auto isWallOf = [&](const Shell& other) {
-      return other.volume > 0 && other.contains(*shell) && isClosed(model.parts[other.part].soup, other) &&
-             isInside(*shell, other, places);
-    };
-    if (isClosed(model.parts[shell->part].soup, *shell) && std::ranges::any_of(shells, standsAround) &&
-        std::ranges::none_of(shells, isWallOf))
-      culled.push_back(shell);
+    if (stands_around &&
+        !anyOf([&](const Shell& other) { return other.volume > 0 && other.contains(shell); }, isWall))
+      culled.push_back(&shell);
   }
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     std::vector<bool> removed(model.parts[i].soup.triangles.size(), false);
@@ -214,8 +228,8 @@ void removeCulled(SourceModel& model) {
       const glm::dvec3 size = shell->high - shell->low;
       model.notices.push_back(fmt::format(
           "a closed surface of {} ({} triangles, {:.3g} x {:.3g} x {:.3g}) has one side, is turned inside "
-          "out "
-          "and stands around the rest: viewers do not show it from outside, so it is left out; --keep-culled "
+          "out and stands around the rest: viewers do not show it from outside, so it is left out; "
+          "--keep-culled "
           "bakes it",
           nameOf(model, *shell), shell->triangles.size(), size.x, size.y, size.z));
     }
