@@ -40,7 +40,8 @@ def main():
             assert not any(
                 jsonschema.Draft202012Validator(schemas[name]).is_valid(document) for name in others), command
             documents += 1
-        jsonschema.Draft202012Validator(schemas["rig"]).validate(run("rig", pack, "--part", "0"))
+        for part in ([], ["--part", "0"]):
+            jsonschema.Draft202012Validator(schemas["rig"]).validate(run("rig", pack, *part))
     print(f"{documents} documents of {len(packs)} packs follow their schemas")
 
 
