@@ -137,6 +137,30 @@ def check_edit(screen, view, bake, dump, folder):
     program.end()
 
 
+def check_parts(screen, view, dump, model, folder):
+    """Saved by the key, the rig stands beside the model by its part's name, and is baked."""
+    source, pack, rig = (os.path.join(folder, "reed" + suffix) for suffix in (".glb", ".kelp", ".rig.json"))
+    shutil.copy(model, source)
+    program = View(view, "--edit", "--watch", source, "--resolution", "24", "--parts", "nodes")
+    program.expect("kelp-view: baked " + pack)
+    screen.find(1280, 800)
+    for pause in (1.5, 5, 15, 45):
+        screen.settle(pause)
+        screen.key("Control_L", "s")
+        if program.heard("saved " + rig, 5):
+            break
+    program.expect("kelp-view: shows " + pack)
+    before = rig_of(dump, pack)
+    with open(rig) as file:
+        saved = json.load(file)
+    assert list(saved) == ["kelp", "parts"] and saved["parts"].keys() <= before["parts"].keys(), saved
+    saved["parts"][next(iter(saved["parts"]))]["sockets"] = {"mine": {"at": 0.5}}
+    replace(rig, json.dumps(saved))
+    program.expect("kelp-view: shows " + pack)
+    assert any("mine" in part.get("sockets", {}) for part in rig_of(dump, pack)["parts"].values())
+    program.end()
+
+
 def check_watch(view, dump, model, folder):
     source, pack, rig = (os.path.join(folder, "reed" + suffix) for suffix in (".glb", ".kelp", ".rig.json"))
     shutil.copy(model, source)
@@ -192,6 +216,8 @@ def main(view, bake, dump, model):
             print("SKIPPED: the mouse: %s" % absent)
             return
         check_edit(screen, view, bake, dump, folder)
+    with tempfile.TemporaryDirectory() as folder:
+        check_parts(screen, view, dump, model, folder)
 
 
 if __name__ == "__main__":
