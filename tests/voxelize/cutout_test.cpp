@@ -117,6 +117,23 @@ SourceModel cutBox(std::size_t cut) {
   return cards(soup);
 }
 
+// Open above: 11 % of its surface would close it.
+TEST(CutOut, AnOpenShellIsASheetToo) {
+  const auto made = [](std::size_t cut) {
+    SourceModel model = cutBox(cut);
+    TriangleSoup soup;
+    kelp::test::addBox(soup, {0, 0, 0}, {16, 32, 16}, 3);
+    for (TriangleSoup::Triangle& t : soup.triangles) t.material = 1;
+    soup.uvs.assign(model.parts[0].soup.uvs.begin(), model.parts[0].soup.uvs.begin() + 10);
+    model.parts[0].soup = soup;
+    return model;
+  };
+  EXPECT_GT(voxelizeUnit(made(0)).solid, 16u * 16u * 30u);
+  const Baked shell = voxelizeUnit(made(2));
+  EXPECT_LT(shell.solid, 16u * 16u * 16u);
+  EXPECT_EQ(shell.grid().solid, voxelizeUnit(made(2), Fill::kSurface).grid().solid);
+}
+
 TEST(CutOut, BodiesStayWholeAndSaySo) {
   const Baked body = voxelizeUnit(cutBox(1));
   EXPECT_EQ(body.solid, 16u * 16u * 16u);

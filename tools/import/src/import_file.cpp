@@ -48,6 +48,9 @@ SourceModel importFile(const std::filesystem::path& path, const ImportSettings& 
   if (settings.scene && !gltf)
     refuse(Exit::kUsage, path, "--scene " + oneLine(*settings.scene, 60),
            "only glTF files have scenes; leave the option out");
+  if (settings.keep_culled && !gltf)
+    refuse(Exit::kUsage, path, "--keep-culled",
+           "only glTF files say which surfaces have one side; leave the option out");
   if (settings.frame && extension != ".vox")
     refuse(Exit::kUsage, path, "--frame " + std::to_string(*settings.frame),
            "only MagicaVoxel files have frames; leave the option out");

@@ -207,7 +207,7 @@ void joinParts(const std::vector<bool>& inside, const SkinChain& chain, SkinLabe
 void sweepChains(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
                  const SkinSpace& space, int threads, const StiffChains& stiff, SkinLabels& labels) {
   if (moments.size() == 0) return;
-  const std::vector<bool> scaling = scalingJoints(skin);
+  const std::vector<bool> scaling = scalingJoints(skin, kSweptScale);
   // Where the end of a chain does not bend with it, as a foot on a leg, the rest may.
   for (std::vector<std::uint32_t>& chain : findChains(samples, skin, space))
     for (int tries = 0; tries < kMostTries && chain.size() > 1; ++tries) {

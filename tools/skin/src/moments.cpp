@@ -29,9 +29,9 @@ glm::dmat4x3 sampleAt(const SourceSkin& skin, const SourceSkin::Clip& clip, doub
   return from + share * (clip.motions[b * count + joint] - from);
 }
 
-void markScaling(const SourceSkin::Clip& clip, std::vector<bool>& scaling) {
+void markScaling(const SourceSkin::Clip& clip, double most, std::vector<bool>& scaling) {
   for (std::size_t i = 0; i < clip.motions.size(); ++i)
-    if (!keepsSize(clip.motions[i])) scaling[i % scaling.size()] = true;
+    if (!keepsSize(clip.motions[i], most)) scaling[i % scaling.size()] = true;
 }
 
 // A few samples of each joint, by which moments are compared: those that are farthest along the axes.
@@ -56,9 +56,9 @@ std::vector<std::size_t> witnesses(const SkinSamples& samples, std::size_t joint
 
 }  // namespace
 
-std::vector<bool> scalingJoints(const SourceSkin& skin) {
+std::vector<bool> scalingJoints(const SourceSkin& skin, double most) {
   std::vector<bool> scaling(skin.joints.size(), false);
-  for (const SourceSkin::Clip& clip : skin.clips) markScaling(clip, scaling);
+  for (const SourceSkin::Clip& clip : skin.clips) markScaling(clip, most, scaling);
   return scaling;
 }
 
@@ -76,7 +76,7 @@ SkinMoments momentsAt(const SourceSkin& skin, std::uint32_t clip, const std::vec
   moments.motions.resize(times.size() * moments.joints);
   moments.rotations.resize(moments.motions.size());
   moments.scaling.assign(moments.joints, false);
-  markScaling(skin.clips[clip], moments.scaling);
+  markScaling(skin.clips[clip], 0.01, moments.scaling);
   parallelRanges(moments.motions.size(), 256, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const glm::dmat4x3 motion =

@@ -30,8 +30,10 @@ struct SkinMoments {
   }
 };
 
-// Of each joint: true if a clip makes it larger or smaller.
-std::vector<bool> scalingJoints(const SourceSkin& skin);
+// Of each joint: true if a clip makes it larger or smaller by more than such a share.
+std::vector<bool> scalingJoints(const SourceSkin& skin, double most = 0.01);
+// Of chains: a swept part keeps its thickness, and breathing is no reason to give it up.
+inline constexpr double kSweptScale = 0.05;
 
 // The middles of `count` equal stretches of a clip.
 std::vector<double> evenTimes(const SourceSkin::Clip& clip, int count);

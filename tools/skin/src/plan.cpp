@@ -174,7 +174,7 @@ SkinLabels decomposeAsPlanned(const SkinSamples& samples, const SkinMoments& mom
 void sweepAsPlanned(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
                     const SkinSpace& space, const SkinPlan& plan, int threads, StiffChains& stiff,
                     SkinLabels& labels) {
-  const std::vector<bool> scaling = scalingJoints(skin);
+  const std::vector<bool> scaling = scalingJoints(skin, kSweptScale);
   for (std::uint32_t g = 0; g < plan.groups.size(); ++g) {
     const SkinPlan::Group& group = plan.groups[g];
     if (group.knots == 0 || stiff.contains(group.top)) continue;

@@ -124,7 +124,7 @@ std::vector<bool> scalingParts(const SkinSamples& samples, const SourceSkin& ski
     }
   std::vector<bool> out;
   for (std::size_t p = 0; p < all.size(); ++p)
-    out.push_back(scaled[p] > 0 && scaled[p] >= kScaledShare * all[p]);
+    out.push_back(!labels.chains[p].swept() && scaled[p] > 0 && scaled[p] >= kScaledShare * all[p]);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -19,9 +20,16 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Points of a component that are looked at: most of them must be inside another one.
 constexpr std::size_t kWitnesses = 9;
-// The largest shells that are looked at, and of each the largest components in its box, and around it: no
-// file needs as many, and the work stays in proportion to the file.
-constexpr std::size_t kMostShells = 256, kMostTried = 64;
+// The largest shells that are looked at, and of each the largest components in its box, and around it: the
+// work stays in proportion to the file.
+constexpr std::size_t kMostShells = 4096, kMostTried = 64;
+// Of a shell's extent: how far out of its box something inside it may reach.
+constexpr double kBeyond = 0.1, kRounding = 1e-4;
+
+struct Scene {
+  std::span<const SourcePart> parts;
+  const std::vector<SurfaceMaterial>& materials;
+};
 
 using Corners = std::array<glm::dvec3, 3>;
 
@@ -34,8 +42,11 @@ struct Shell {
   std::optional<bool> closed{};  // once it was asked for
   glm::dvec3 low{kInfinity}, high{-kInfinity};
 
-  bool contains(const Shell& other) const {
-    return glm::all(glm::lessThan(low, other.low)) && glm::all(glm::greaterThan(high, other.high));
+  // True if the other's box is in this one, or beyond it by no more than such a share of its extent.
+  bool contains(const Shell& other, double beyond) const {
+    const double room = beyond * extent();
+    return glm::all(glm::lessThanEqual(low - room, other.low)) &&
+           glm::all(glm::greaterThanEqual(high + room, other.high));
   }
   double extent() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z}); }
 };
@@ -43,9 +54,9 @@ struct Shell {
 // The corners of a triangle, in the object.
 class Places {
  public:
-  explicit Places(const SourceModel& model) : model_(model) {}
+  explicit Places(const Scene& scene) : scene_(scene) {}
   Corners of(const Shell& shell, std::uint32_t triangle) const {
-    const SourcePart& part = model_.parts[shell.part];
+    const SourcePart& part = scene_.parts[shell.part];
     const glm::dmat4x3 to_object(part.to_object);
     Corners corners;
     for (std::size_t i = 0; i < 3; ++i)
@@ -54,62 +65,112 @@ class Places {
   }
 
  private:
-  const SourceModel& model_;
+  const Scene& scene_;
 };
 
-// Appends the components of a part, whose triangles are one after the other in `order`.
-void findShells(const SourceModel& model, std::size_t index, const Places& places,
-                std::vector<std::uint32_t>& order, std::vector<Shell>& out) {
-  const TriangleSoup& soup = model.parts[index].soup;
-  std::vector<std::uint32_t> root(soup.positions.size());
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t vertex) {
-    while (root[vertex] != vertex) vertex = root[vertex] = root[root[vertex]];
-    return vertex;
-  };
-  for (const TriangleSoup::Triangle& triangle : soup.triangles)
-    for (const std::size_t i : {1, 2}) root[find(triangle.vertex[i])] = find(triangle.vertex[0]);
-  order.resize(soup.triangles.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto shellOf = [&](std::uint32_t t) { return find(soup.triangles[t].vertex[0]); };
-  std::ranges::stable_sort(order, std::less<>(), shellOf);
-  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    while (end < order.size() && shellOf(order[end]) == shellOf(order[begin])) ++end;
+// Sorts triangles by what `groupOf` says of each, and appends a shell for each group.
+template <class GroupOf>
+void appendShells(const Scene& scene, std::size_t part, const Places& places,
+                  std::span<std::uint32_t> triangles, const GroupOf& groupOf, std::vector<Shell>& out) {
+  const TriangleSoup& soup = scene.parts[part].soup;
+  // A mirrored place turns triangles, and nobody sees that.
+  const double sign = glm::determinant(glm::dmat3(glm::dmat4x3(scene.parts[part].to_object))) < 0 ? -1 : 1;
+  std::ranges::stable_sort(triangles, std::less<>(), groupOf);
+  for (std::size_t begin = 0, end = 0; begin < triangles.size(); begin = end) {
+    while (end < triangles.size() && groupOf(triangles[end]) == groupOf(triangles[begin])) ++end;
     Shell& shell = out.emplace_back();
-    shell.part = index;
-    shell.triangles = std::span(order).subspan(begin, end - begin);
+    shell.part = part;
+    shell.triangles = triangles.subspan(begin, end - begin);
     // Around a point of its own: far from the origin the terms would cancel badly.
-    const glm::dvec3 origin = places.of(shell, order[begin])[0];
+    const glm::dvec3 origin = places.of(shell, triangles[begin])[0];
     for (const std::uint32_t t : shell.triangles) {
-      shell.single_sided = shell.single_sided && !model.materials[soup.triangles[t].material].double_sided;
+      shell.single_sided = shell.single_sided && !scene.materials[soup.triangles[t].material].double_sided;
       const Corners at = places.of(shell, t);
       for (const glm::dvec3& corner : at) {
         shell.low = glm::min(shell.low, corner);
         shell.high = glm::max(shell.high, corner);
       }
-      shell.volume += glm::dot(at[0] - origin, glm::cross(at[1] - origin, at[2] - origin)) / 6;
+      shell.volume += sign * glm::dot(at[0] - origin, glm::cross(at[1] - origin, at[2] - origin)) / 6;
     }
   }
 }
 
-// True if every edge is there as often in each direction.
-bool isClosed(const SourceModel& model, Shell& shell) {
-  if (shell.closed) return *shell.closed;
-  const TriangleSoup& soup = model.parts[shell.part].soup;
-  std::vector<std::pair<std::uint64_t, bool>> edges;  // the lower corner and the higher; runs upwards
-  for (const std::uint32_t t : shell.triangles)
+// Sets of numbers from 0, joined step by step.
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : root_(count) { std::iota(root_.begin(), root_.end(), 0u); }
+  std::uint32_t find(std::uint32_t at) {
+    while (root_[at] != at) at = root_[at] = root_[root_[at]];
+    return at;
+  }
+  void join(std::uint32_t a, std::uint32_t b) { root_[find(a)] = find(b); }
+
+ private:
+  std::vector<std::uint32_t> root_;
+};
+
+// An edge: its lower corner and the higher, the triangle, and whether it runs upwards there.
+struct Edge {
+  std::uint64_t corners;
+  std::uint32_t triangle;  // of the shell's
+  bool upwards;
+};
+std::vector<Edge> sortedEdges(const TriangleSoup& soup, std::span<const std::uint32_t> triangles) {
+  std::vector<Edge> edges;
+  edges.reserve(3 * triangles.size());
+  for (std::uint32_t k = 0; k < triangles.size(); ++k)
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t from = soup.triangles[t].vertex[i], to = soup.triangles[t].vertex[(i + 1) % 3];
-      edges.emplace_back(std::uint64_t{std::min(from, to)} << 32 | std::max(from, to), from < to);
+      const auto& vertex = soup.triangles[triangles[k]].vertex;
+      const std::uint32_t from = vertex[i], to = vertex[(i + 1) % 3];
+      edges.push_back({std::uint64_t{std::min(from, to)} << 32 | std::max(from, to), k, from < to});
     }
-  std::ranges::sort(edges);
+  std::ranges::stable_sort(edges, std::less<>(), &Edge::corners);
+  return edges;
+}
+
+// Appends the components of a part, whose triangles are one after the other in `order`. Triangles that share
+// corners are one; where these are turned inside out as a whole, those that share edges: an outline may touch
+// its body in a point.
+void findShells(const Scene& scene, std::size_t index, const Places& places,
+                std::vector<std::uint32_t>& order, std::vector<Shell>& out) {
+  const TriangleSoup& soup = scene.parts[index].soup;
+  Sets by_corner(soup.positions.size());
+  for (const TriangleSoup::Triangle& triangle : soup.triangles)
+    for (const std::size_t i : {1, 2}) by_corner.join(triangle.vertex[i], triangle.vertex[0]);
+  order.resize(soup.triangles.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::vector<Shell> rough;
+  appendShells(
+      scene, index, places, order,
+      [&](std::uint32_t t) { return by_corner.find(soup.triangles[t].vertex[0]); }, rough);
+  std::vector<std::uint32_t> group(soup.triangles.size());
+  std::size_t begin = 0;
+  for (const Shell& shell : rough) {
+    const std::span<std::uint32_t> its = std::span(order).subspan(begin, shell.triangles.size());
+    begin += its.size();
+    if (shell.volume >= 0) {
+      out.push_back(shell);
+      continue;
+    }
+    const std::vector<Edge> edges = sortedEdges(soup, its);
+    Sets by_edge(its.size());
+    for (std::size_t i = 1; i < edges.size(); ++i)
+      if (edges[i].corners == edges[i - 1].corners) by_edge.join(edges[i].triangle, edges[i - 1].triangle);
+    for (std::uint32_t k = 0; k < its.size(); ++k) group[its[k]] = by_edge.find(k);
+    appendShells(
+        scene, index, places, its, [&](std::uint32_t t) { return group[t]; }, out);
+  }
+}
+
+// True if every edge is there as often in each direction.
+bool isClosed(const Scene& scene, Shell& shell) {
+  if (shell.closed) return *shell.closed;
+  const std::vector<Edge> edges = sortedEdges(scene.parts[shell.part].soup, shell.triangles);
   for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i;
     std::ptrdiff_t balance = 0;
-    for (; end < edges.size() && edges[end].first == edges[i].first; ++end)
-      balance += edges[end].second ? 1 : -1;
+    const std::uint64_t corners = edges[i].corners;
+    for (; i < edges.size() && edges[i].corners == corners; ++i) balance += edges[i].upwards ? 1 : -1;
     if (balance != 0) return *(shell.closed = false);
-    i = end;
   }
   return *(shell.closed = true);
 }
@@ -150,9 +211,9 @@ bool isInside(const Shell& inner, const Shell& outer, const Places& places) {
   return 2 * inside > count;
 }
 
-std::string nameOf(const SourceModel& model, const Shell& shell) {
-  const std::uint32_t index = model.parts[shell.part].soup.triangles[shell.triangles.front()].material;
-  const std::string& name = model.materials[index].name;
+std::string nameOf(const Scene& scene, const Shell& shell) {
+  const std::uint32_t index = scene.parts[shell.part].soup.triangles[shell.triangles.front()].material;
+  const std::string& name = scene.materials[index].name;
   return name.empty() ? fmt::format("materials[{}]", index) : "'" + name + "'";
 }
 
@@ -186,13 +247,18 @@ void removeTriangles(TriangleSoup& soup, const std::vector<bool>& removed) {
 
 }  // namespace
 
-void removeCulled(SourceModel& model) {
-  const Places places(model);
+void removeCulled(std::span<SourcePart> parts, const std::vector<SurfaceMaterial>& materials,
+                  std::vector<std::string>& notices) {
+  const Scene scene{parts, materials};
+  const Places places(scene);
   std::vector<Shell> shells;
-  std::vector<std::vector<std::uint32_t>> orders(model.parts.size());
-  for (std::size_t i = 0; i < model.parts.size(); ++i) findShells(model, i, places, orders[i], shells);
+  std::vector<std::vector<std::uint32_t>> orders(scene.parts.size());
+  for (std::size_t i = 0; i < scene.parts.size(); ++i) findShells(scene, i, places, orders[i], shells);
   std::ranges::stable_sort(shells, std::greater<>(), &Shell::extent);
-  const auto isTurned = [](const Shell& shell) { return shell.single_sided && shell.volume < 0; };
+  // The sign of the volume of an open one means nothing.
+  const auto isTurned = [&](Shell& shell) {
+    return shell.single_sided && shell.volume < 0 && isClosed(scene, shell);
+  };
   // The first ones for which `inBox` is true.
   const auto anyOf = [&](const auto& inBox, const auto& test) {
     std::size_t tried = 0;
@@ -208,33 +274,34 @@ void removeCulled(SourceModel& model) {
   for (Shell& shell : shells) {
     if (!isTurned(shell) || ++looked_at > kMostShells) continue;
     const bool stands_around =
-        isClosed(model, shell) &&
-        anyOf([&](const Shell& other) { return !isTurned(other) && shell.contains(other); },
-              [&](const Shell& other) { return isInside(other, shell, places); });
+        anyOf([&](const Shell& other) { return &other != &shell && shell.contains(other, kBeyond); },
+              [&](Shell& other) { return !isTurned(other) && isInside(other, shell, places); });
     const auto isWall = [&](Shell& other) {
-      return isClosed(model, other) && isInside(shell, other, places);
+      return isClosed(scene, other) && isInside(shell, other, places);
     };
     if (stands_around &&
-        !anyOf([&](const Shell& other) { return other.volume > 0 && other.contains(shell); }, isWall))
+        !anyOf([&](const Shell& other) { return other.volume > 0 && other.contains(shell, kRounding); },
+               isWall))
       culled.push_back(&shell);
   }
-  for (std::size_t i = 0; i < model.parts.size(); ++i) {
-    std::vector<bool> removed(model.parts[i].soup.triangles.size(), false);
+  std::map<std::string, std::pair<std::size_t, glm::dvec3>> noted;  // by material: how many, the largest
+  for (std::size_t i = 0; i < scene.parts.size(); ++i) {
+    std::vector<bool> removed(scene.parts[i].soup.triangles.size(), false);
     bool any = false;
     for (const Shell* const shell : culled) {
       if (shell->part != i) continue;
       any = true;
       for (const std::uint32_t t : shell->triangles) removed[t] = true;
-      const glm::dvec3 size = shell->high - shell->low;
-      model.notices.push_back(fmt::format(
-          "a closed surface of {} ({} triangles, {:.3g} x {:.3g} x {:.3g}) has one side, is turned inside "
-          "out and stands around the rest: viewers do not show it from outside, so it is left out; "
-          "--keep-culled "
-          "bakes it",
-          nameOf(model, *shell), shell->triangles.size(), size.x, size.y, size.z));
+      auto& [count, size] = noted[nameOf(scene, *shell)];
+      if (++count == 1) size = shell->high - shell->low;
     }
-    if (any) removeTriangles(model.parts[i].soup, removed);
+    if (any) removeTriangles(parts[i].soup, removed);
   }
+  for (const auto& [name, its] : noted)
+    notices.push_back(fmt::format(
+        "{} closed surface{} of {} (up to {:.3g} x {:.3g} x {:.3g}) of one side, turned inside out around "
+        "something: viewers do not show that from outside, so it is left out; --keep-culled bakes it",
+        its.first, its.first == 1 ? "" : "s", name, its.second.x, its.second.y, its.second.z));
 }
 
 }  // namespace kelp::bake

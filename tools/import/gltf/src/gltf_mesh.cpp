@@ -248,7 +248,7 @@ class PrimitiveReader {
     for (const auto& [name, accessor] : primitive.attributes) {
       std::string lower = name;
       std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-      if (name != "COLOR_0" && (lower.find("color") != std::string::npos || lower.starts_with("_col")))
+      if (name != "COLOR_0" && (lower.find("color") != std::string::npos || lower.starts_with("_rgb")))
         model_.noteOnce(place + "." + oneLine(name, 40) +
                         ": is not read; vertex colors are those of COLOR_0");
     }

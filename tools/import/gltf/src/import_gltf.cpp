@@ -132,7 +132,7 @@ class GltfImporter {
       if (dividesSkin()) part.rig.skin = out_.outer->file.whole.skin;
       part.skin = skins.take(space, animations_, used_);
       out_.parts.push_back(std::move(part));
-      if (!settings_.keep_culled) removeCulled(out_);
+      cull(out_.parts);
       return;
     }
   }
@@ -154,12 +154,16 @@ class GltfImporter {
         out_.parts.push_back(*std::move(part));
       }
     }
-    if (!settings_.keep_culled) removeCulled(out_);
+    if (out_.parts.size() > 1) cull(out_.parts);
     for (SourcePart& part : out_.parts)
       if (part.soup.triangles.empty()) makeEmpty(part);
     dropLoneParts();
     giveRigsByName();
     hangEmptyParts();
+  }
+
+  void cull(std::span<SourcePart> parts) {
+    if (!settings_.keep_culled) removeCulled(parts, out_.materials, out_.notices);
   }
 
   // A unit cube around the place that the part moves about.
@@ -193,6 +197,7 @@ class GltfImporter {
         part.soup = readSoup(plan, space, part.name);
       }
     }
+    cull({&part, 1});  // before the rig: an outline must not size it
     triangles_ += part.soup.triangles.size();
     if (triangles_ > kMaxTriangles)
       model_.refuse("scene", "has more than 64 million triangles; bake it in pieces");

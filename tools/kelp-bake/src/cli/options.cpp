@@ -283,7 +283,7 @@ std::optional<Options> parseCommandLine(const std::vector<std::string>& words) {
   bool no_distance = false, write_deps = false;
   Adder add(app);
   add.option("input", "FILE",
-             "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc), VDB, NVDB, MagicaVoxel (.vox), .binvox or .raw "
+             "glTF/GLB/VRM, OBJ, PLY, STL, OFF, Draco (.drc), VDB, NVDB, MagicaVoxel (.vox), .binvox or .raw "
              "file",
              text(options.input))
       ->required();

@@ -65,13 +65,14 @@ bool enclosesNothing(const Component& c) {
   return c.closed && !c.wall && c.area > 0 && std::abs(c.volume) < kThickness * c.area;
 }
 
+bool isCut(const Component& c) { return !c.solid && c.cut_area > 0 && c.cut_area >= kMaxCutShare * c.area; }
+
 std::string whyOf(const Component& c, Fill fill) {
   if (fill == Fill::kSurface) return "surface as asked";
   if (c.wall) return fill == Fill::kSolid ? "solid as asked" : "a wall modeled from both sides";
   if (enclosesNothing(c)) return "closed, but encloses nothing: its faces are there from both sides";
-  if (c.closed && !c.solid)
-    return fmt::format("closed, but {} % of its surface is cut out",
-                       printPercent(percent(c.cut_area, c.area)));
+  if (isCut(c))
+    return fmt::format("{} % of its surface is cut out", printPercent(percent(c.cut_area, c.area)));
   if (c.closed) return "closed";
   if (c.solid)
     return fmt::format("{}{} closed by fans ({} % of its surface)",
@@ -142,7 +143,7 @@ std::string summarizeFill(const Topology& mesh, Fill fill) {
     }
     closed += c.closed;
     hollow += enclosesNothing(c);
-    if (!c.solid && c.closed) {
+    if (isCut(c)) {
       ++cut;
     } else if (!c.solid) {
       ++sheets;

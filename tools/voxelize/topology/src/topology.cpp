@@ -188,10 +188,13 @@ Topology analyze(const TriangleSoup& soup, const Frame& frame, Fill fill, int th
 
 void openCutOuts(Topology& mesh) {
   for (Component& c : mesh.components)
-    if (c.solid && c.closed && c.cut_area >= kMaxCutShare * c.area && c.cut_area > 0) {
+    if (c.solid && c.cut_area >= kMaxCutShare * c.area && c.cut_area > 0) {
       c.solid = false;
       c.thin = true;
     }
+  mesh.caps -= std::erase_if(mesh.triangles, [&](const SolidTriangle& t) {
+    return t.source == kCap && !mesh.components[t.component].solid;
+  });
   mesh.summary = summarizeFill(mesh, Fill::kAuto);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads glTF 2.0, .gltf and .glb.
+// Reads glTF 2.0: .gltf, .glb and .vrm.
 #pragma once
 
 #include <filesystem>

@@ -45,7 +45,7 @@ struct Component {
   double area = 0;              // voxels^2, without caps
   double cap_area = 0;
   double volume = 0;    // voxels^3, with caps; negative where the file wound it inside out
-  double cut_area = 0;  // voxels^2 that its material cuts out; of closed ones alone
+  double cut_area = 0;  // voxels^2 that its material cuts out, once it was asked for
   EdgeCounts diagnosis;
 };
 
@@ -76,12 +76,11 @@ inline constexpr double kMaxHoleShare = 0.17;
 // kSolid, kSurface: all are.
 Topology analyze(const TriangleSoup& soup, const Frame& frame, Fill fill, int threads = 1);
 
-// A closed component of which this share of the surface is cut out is a sheet around something: hair, a hat,
-// armor.
+// A component of which this share of the surface is cut out is a sheet around something: hair, a hat, armor.
 inline constexpr double kMaxCutShare = 0.1;
 
-// Makes sheets of solid, closed components whose cut_area, which the caller has set, is that large. After
-// analyze() with Fill::kAuto.
+// Makes sheets of solid components whose cut_area, which the caller has set, is that large; what closed their
+// holes goes. After analyze() with Fill::kAuto.
 void openCutOuts(Topology& mesh);
 
 }  // namespace kelp::bake
