@@ -270,7 +270,9 @@ TEST(ImportColors, OfOffMayBeFractionsOrBytes) {
     return fmt::format(" {:g} {:g} {:g}{}", c[0] / full, c[1] / full, c[2] / full, alpha);
   };
   const auto bare = [](std::size_t) { return std::string(); };
-  for (const auto& [full, alpha] : {std::pair(1.0, " 255"), std::pair(255.0, " 1"), std::pair(255.0, "")}) {
+  for (const auto& its : {std::pair(1.0, " 255"), std::pair(255.0, " 1"), std::pair(255.0, "")}) {
+    const double full = its.first;
+    const char* const alpha = its.second;
     EXPECT_EQ(colors(offOf(
                          "COFF", [&](int i) { return printed(colorOf(i), full, alpha); }, bare),
                      0),
