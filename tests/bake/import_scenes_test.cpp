@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What of a glTF scene is there: surfaces that viewers cull, joints that no scene lists, instances, hidden
-// nodes, what is transparent. Files of public bug reports (hunt), and others of their kinds.
+// Which meshes of a glTF scene are baked, and where: culled surfaces, joints outside of the scene, instances,
+// hidden nodes, invisible materials. Files of public bug reports (hunt), and others of their kinds.
 #include <cmath>
 
 #include <nlohmann/json.hpp>

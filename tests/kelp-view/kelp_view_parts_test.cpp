@@ -102,7 +102,7 @@ class SavedParts : public ::testing::Test {
       EXPECT_NE(bake(source, options), again) << "the model has changed";
       for (std::size_t other = 0; other <= at; ++other) EXPECT_EQ(rigOfPart(names[other]), dumped[other]);
     }
-    // What is printed is read back to the same bytes.
+    // Rigs that are printed are read back to the same bytes.
     const std::string all = test::runProcess({KELP_DUMP, "rig", scratch_ / "out.kelp"}).out;
     EXPECT_EQ(parseRigFile(all).parts.size(), names.size());
     scratch_.write(std::filesystem::path(saved).filename(), all);

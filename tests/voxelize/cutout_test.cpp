@@ -159,7 +159,7 @@ TEST(CutOut, ABodyShowsBelowAHat) {
   const SourceModel model = importFile(std::filesystem::path(KELP_HUNT) / "hat_mask.glb", {});
   const SourcePart& part = model.parts.at(0);
   const Frame frame = makeFrame(part.soup, Axis::kPlusY, 2.12 / 96, "hat");
-  // What is seen along +x, row by row: -1: nothing, 0: green, 1: red.
+  // The color of the first voxel along +x in each row: -1: none, 0: green, 1: red.
   const auto seen = [&](Fill fill) {
     const VoxelGrid grid = voxelize(model, part, frame, fill, 1, {}).grid;
     std::map<std::uint64_t, bool> red;

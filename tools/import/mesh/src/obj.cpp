@@ -261,7 +261,7 @@ class ObjReader {
     }
   }
 
-  // What is invisible, unless that is everything: some programs write Tr 1 and mean that nothing is.
+  // Invisible faces are left out, unless all are: some programs write Tr 1 and mean opaque.
   bool isLeftOut(std::uint32_t material) const {
     return any_visible_ && isInvisible(out_.materials[material]);
   }
