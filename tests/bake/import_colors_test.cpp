@@ -60,6 +60,12 @@ std::vector<std::string> cornerColors(const SourceModel& model) {
   }
   return out;
 }
+
+std::vector<std::string> cornerColorsOf(const std::filesystem::path& path, std::size_t notices) {
+  const SourceModel model = importFile(path, {});
+  EXPECT_EQ(model.notices.size(), notices) << contentOf(path);
+  return cornerColors(model);
+}
 std::vector<std::string> byBox(const std::string& first, const std::string& second) {
   std::vector<std::string> out(8, first);
   out.resize(16, second);
@@ -87,9 +93,7 @@ TEST(ImportColors, OfZBrushAreRead) {
 TEST(ImportColors, OfZBrushBelongToTheirBlock) {
   const Scratch scratch;
   const auto colors = [&](const std::string& text, std::size_t notices) {
-    const SourceModel model = importFile(scratch.write("a.obj", text), {});
-    EXPECT_EQ(model.notices.size(), notices) << text;
-    return cornerColors(model);
+    return cornerColorsOf(scratch.write("a.obj", text), notices);
   };
   const std::string a = vertexLines(uncolored, 0, 8), b = vertexLines(uncolored, 8, 16),
                     fa = faceLines(0, 12), fb = faceLines(12, 24);
@@ -262,9 +266,7 @@ std::string offOf(const std::string& word, const std::function<std::string(int)>
 TEST(ImportColors, OfOffMayBeFractionsOrBytes) {
   const Scratch scratch;
   const auto colors = [&](const std::string& text, std::size_t notices) {
-    const SourceModel model = importFile(scratch.write("a.off", text), {});
-    EXPECT_EQ(model.notices.size(), notices) << text;
-    return cornerColors(model);
+    return cornerColorsOf(scratch.write("a.off", text), notices);
   };
   const auto printed = [](const Rgb& c, double full, const char* alpha) {
     return fmt::format(" {:g} {:g} {:g}{}", c[0] / full, c[1] / full, c[2] / full, alpha);

@@ -255,6 +255,14 @@ TEST(Visibility, HidesANodeAndAllBelowIt) {
   EXPECT_EQ(trianglesOf(hidden), 12u);
   EXPECT_EQ(hidden.notices.size(), 1u);
   for (const char* shown : {R"({"visible":true})", "{}"}) EXPECT_EQ(trianglesOf(read(shown)), 24u);
+  // Of all that there is, the notice is the reason.
+  const SourceModel none = importText(
+      scratch,
+      maker.text(R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"extensions":{"KHR_node_visibility":)"
+                 R"({"visible":false}}}],)" +
+                 GltfMaker::boxMesh()));
+  EXPECT_TRUE(none.parts.empty());
+  EXPECT_TRUE(contains(none.notices.back(), "KHR_node_visibility"));
 }
 
 TEST(Vrm, IsAGlb) {
@@ -264,6 +272,8 @@ TEST(Vrm, IsAGlb) {
   const SourceModel model = importFile(path, {});
   EXPECT_EQ(trianglesOf(model), 12u);
   EXPECT_TRUE(model.notices.empty());
+  const auto binary = scratch.write("binary.vrm", contentOf(hunted("instancing_used.glb")));
+  EXPECT_EQ(trianglesOf(importFile(binary, {})), 144u);
 }
 
 // Vertex colors: alpha 0 at all corners is not there, and neither is a material with that alpha.

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "kelp/common/parallel.h"
-#include "rigid.h"
 
 namespace kelp::bake {
 namespace {
@@ -76,7 +75,7 @@ SkinMoments momentsAt(const SourceSkin& skin, std::uint32_t clip, const std::vec
   moments.motions.resize(times.size() * moments.joints);
   moments.rotations.resize(moments.motions.size());
   moments.scaling.assign(moments.joints, false);
-  markScaling(skin.clips[clip], 0.01, moments.scaling);
+  markScaling(skin.clips[clip], kSameSize, moments.scaling);
   parallelRanges(moments.motions.size(), 256, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const glm::dmat4x3 motion =

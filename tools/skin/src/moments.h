@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "kelp/import/core/source_model.h"
+#include "rigid.h"
 #include "samples.h"
 
 namespace kelp::bake {
@@ -31,7 +32,7 @@ struct SkinMoments {
 };
 
 // Of each joint: true if a clip makes it larger or smaller by more than such a share.
-std::vector<bool> scalingJoints(const SourceSkin& skin, double most = 0.01);
+std::vector<bool> scalingJoints(const SourceSkin& skin, double most = kSameSize);
 // Of chains: a swept part keeps its thickness, and breathing is no reason to give it up.
 inline constexpr double kSweptScale = 0.05;
 

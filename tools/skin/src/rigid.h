@@ -34,8 +34,12 @@ inline glm::dmat4x3 inverseRigid(const glm::dmat4x3& m) {
 
 // The scale of a rigid motion that has one: the cube root of the volume of a unit cube.
 inline double scaleOf(const glm::dmat4x3& m) { return std::cbrt(std::abs(glm::determinant(linearOf(m)))); }
+// Scales nearer to 1 are 1.
+inline constexpr double kSameSize = 0.01;
 // True for a motion whose scale differs from 1 by no more.
-inline bool keepsSize(const glm::dmat4x3& m, double most = 0.01) { return std::abs(scaleOf(m) - 1) <= most; }
+inline bool keepsSize(const glm::dmat4x3& m, double most = kSameSize) {
+  return std::abs(scaleOf(m) - 1) <= most;
+}
 
 inline glm::dmat4x3 compose(const glm::dmat4x3& a, const glm::dmat4x3& b) {
   const glm::dmat3 turn = linearOf(a);

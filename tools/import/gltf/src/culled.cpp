@@ -175,8 +175,8 @@ bool isClosed(const Scene& scene, Shell& shell) {
   return *(shell.closed = true);
 }
 
-// Twice the signed area of a, b and p seen along x. The same for (b, a), but for its sign: a point beside an
-// edge is beside it for both of its triangles.
+// Twice the signed area of a, b and p seen along x. (b, a) gives exactly the negative of it, so that both
+// triangles at an edge agree on which side of it a point is.
 double sideOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
   if (std::tie(b.y, b.z) < std::tie(a.y, a.z)) return -sideOf(b, a, p);
   return (b.y - a.y) * (p.z - a.z) - (b.z - a.z) * (p.y - a.y);

@@ -65,8 +65,8 @@ int modeOf(const tinygltf::Primitive& primitive) {
 
 class PrimitiveReader {
  public:
-  // `instance`: node <- mesh, but for a mesh with a skin. With `skins`: in the bind pose, and its vertices
-  // are added to them.
+  // `instance`: node <- mesh; not used where the mesh has a skin. With `skins`: in the bind pose, and its
+  // vertices are added to them.
   PrimitiveReader(const GltfModel& model, int node, const glm::dmat4& instance, const glm::dmat4& from_world,
                   GltfSkins* skins = nullptr)
       : model_(model), node_(model.node(node)), index_(node), skins_(skins) {
@@ -388,7 +388,7 @@ void explainEmptiness(const GltfModel& model) {
   if (meshes)
     refuse(Exit::kUnsupported, model.files->input(), "scene",
            "holds no triangles" + last + "; export a scene with at least one mesh of triangles");
-  if (!model.data.meshes.empty())
+  if (!model.data.meshes.empty() && model.hidden_meshes == 0)
     model.note("the file has " + std::to_string(model.data.meshes.size()) +
                " meshes that no node of its scene shows");
 }

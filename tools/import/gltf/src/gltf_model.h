@@ -53,6 +53,7 @@ struct GltfModel {
   std::vector<glm::dmat4> world;  // of each placed node at rest
   // of nodes whose mesh stands in several places (EXT_mesh_gpu_instancing): node <- mesh
   std::map<int, std::vector<glm::dmat4>> instances;
+  std::size_t hidden_meshes = 0;  // nodes that lost their mesh because they are hidden
   std::vector<std::string>* notices = nullptr;
   std::uint64_t max_memory = 0;  // ImportSettings::max_memory
   DataBudget* budget = nullptr;  // for data that is copied out of the document

@@ -263,7 +263,7 @@ void noteUnusedMotion(const GltfModel& model, const std::vector<GltfAnimation>& 
           bends[static_cast<std::size_t>(joint)] = true;
     }
   }
-  for (auto node = model.order.rbegin(); node != model.order.rend(); ++node) {
+  for (auto node = model.placed.rbegin(); node != model.placed.rend(); ++node) {
     const int parent = model.parents[static_cast<std::size_t>(*node)];
     if (parent < 0) continue;
     for (auto* below : {&places, &bends})

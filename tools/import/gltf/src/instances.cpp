@@ -20,7 +20,7 @@ const tinygltf::Value* memberOf(const tinygltf::Node& node, const char* extensio
 // KHR_node_visibility: a node that is hidden hides all below it.
 void hideNodes(GltfModel& model) {
   std::vector<bool> hidden(model.data.nodes.size(), false);
-  std::size_t meshes = 0;
+  std::size_t& meshes = model.hidden_meshes;
   for (const int node : model.order) {
     const auto at = static_cast<std::size_t>(node);
     const int parent = model.parents[at];
