@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Level sets against the sphere's own formulas.
-#include <openvdb/openvdb.h>
+#include <kelp/common/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "level_set_mesh.h"
 
-#include <openvdb/openvdb.h>
+#include <kelp/common/openvdb.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
 namespace kelp::test {

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include <kelp/common/openvdb.h>
 #include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
 #define NANOVDB_USE_ZIP
 #define NANOVDB_USE_BLOSC
 #include <nanovdb/util/IO.h>

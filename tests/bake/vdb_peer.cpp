@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include <kelp/common/openvdb.h>
 #include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
 #include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/tools/PointIndexGrid.h>

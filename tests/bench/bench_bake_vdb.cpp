@@ -2,10 +2,10 @@
 #include <chrono>
 #include <fstream>
 
+#include <kelp/common/openvdb.h>
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
 #include <openvdb/io/File.h>
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <tbb/global_control.h>
 

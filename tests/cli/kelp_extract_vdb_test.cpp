@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `kelp-dump extract --vdb` and `--nvdb`, read back through OpenVDB and NanoVDB themselves.
+#include <kelp/common/openvdb.h>
 #include <nanovdb/util/IO.h>
-#include <openvdb/openvdb.h>
 
 #include <algorithm>
 #include <cmath>

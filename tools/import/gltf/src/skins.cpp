@@ -14,7 +14,7 @@
 namespace kelp::bake {
 namespace {
 
-constexpr double kSampleRate = 60;  // a second, beside the channels' own keys
+constexpr double kPoseRate = 60;  // a second, beside the channels' own keys
 constexpr double kMostSamples = 20000;
 // How long a step takes, seconds: motions are linear between samples.
 constexpr float kStepTime = 1e-4f;
@@ -51,7 +51,7 @@ std::vector<float> sampleTimes(const std::vector<const GltfChannel*>& channels) 
     }
   }
   const double last = *times.rbegin();
-  const double samples = std::min(std::ceil(last * kSampleRate), kMostSamples);
+  const double samples = std::min(std::ceil(last * kPoseRate), kMostSamples);
   for (double i = 1; i < samples; ++i) times.insert(static_cast<float>(last * i / samples));
   return {times.begin(), times.end()};
 }

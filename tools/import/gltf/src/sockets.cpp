@@ -16,7 +16,7 @@ namespace {
 
 // of the extent: how far beyond the mesh's end a socket may lie without a notice
 constexpr double kBeyondEnd = 0.02;
-constexpr double kRounding = 1e-6;  // of the extent, of a quaternion: less is nothing
+constexpr double kNothing = 1e-6;  // of the extent, of a quaternion: less is nothing
 constexpr double kFarthest = 1e6;   // in extents: as far as a rig's numbers go
 
 // "hand" of "socket.hand", "socket_hand" or "socket-hand"; empty: another name.
@@ -58,7 +58,7 @@ glm::dquat rotationOf(const glm::dmat3& axes) {
   return turn.w < 0 ? -turn : turn;
 }
 
-double snapped(double value) { return std::abs(value) < kRounding ? 0 : value; }
+double snapped(double value) { return std::abs(value) < kNothing ? 0 : value; }
 
 bool isUsable(const glm::dquat& q) {
   return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w);

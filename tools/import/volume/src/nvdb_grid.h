@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include <openvdb/openvdb.h>
+#include <kelp/common/openvdb.h>
 
 #include "nvdb_checksum.h"
 #include "volume_grid.h"

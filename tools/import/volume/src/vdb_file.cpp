@@ -7,6 +7,7 @@
 #include <mutex>
 #include <unordered_map>
 
+#include <kelp/common/openvdb.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>

@@ -2,7 +2,7 @@
 // OpenVDB's grids as volumes.
 #pragma once
 
-#include <openvdb/openvdb.h>
+#include <kelp/common/openvdb.h>
 
 #include "kelp/import/core/import_settings.h"
 #include "kelp/import/core/input_files.h"

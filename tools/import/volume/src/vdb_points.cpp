@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include <kelp/common/openvdb.h>
 #include <openvdb/points/AttributeArray.h>
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/points/PointDataGrid.h>
@@ -14,7 +15,7 @@
 
 #include "vdb_grid.h"
 
-#ifdef KELP_IN_LIBOPENVDB  // openvdb_types.h
+#ifdef KELP_IN_LIBOPENVDB
 KELP_IN_LIBOPENVDB(points::PointDataTree)
 KELP_IN_LIBOPENVDB(tools::PointIndexTree)
 #endif

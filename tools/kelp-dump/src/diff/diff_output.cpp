@@ -10,7 +10,7 @@
 namespace kelp::dump {
 namespace {
 
-constexpr std::size_t kMostLines = 40;
+constexpr std::size_t kMostDifferences = 40;
 
 // True if it is listed under the heading of its part.
 bool ofPart(const Difference& d) {
@@ -40,7 +40,7 @@ std::string diffText(const DiffReport& report) {
   }
   const std::string* part = nullptr;
   std::size_t said = 0;
-  for (; said < report.differences.size() && said < kMostLines; ++said) {
+  for (; said < report.differences.size() && said < kMostDifferences; ++said) {
     const Difference& d = report.differences[said];
     if (ofPart(d) && (!part || *part != d.name)) text += fmt::format("  part '{}'\n", nameText(d.name));
     part = ofPart(d) ? &d.name : nullptr;

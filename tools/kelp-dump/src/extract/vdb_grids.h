@@ -2,7 +2,7 @@
 // A pack's parts as OpenVDB grids, for the formats vdb and nvdb.
 #pragma once
 
-#include <openvdb/openvdb.h>
+#include <kelp/common/openvdb.h>
 
 #include "extract/extract.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Included before sources of OpenVDB by kelp_openvdb_sources(). libopenvdb holds these classes; without this,
-// every source that makes a grid compiles all that its tree can do. clang -O1 and gcc -O0 call what it lacks,
-// and so may a libopenvdb that was built without its explicit instantiations.
+// OpenVDB, for targets that call kelp_openvdb(). libopenvdb holds these classes; without this, every source
+// that makes a grid compiles all that its tree can do. clang -O1 and gcc -O0 call what it lacks, and so may a
+// libopenvdb that was built without its explicit instantiations.
 #pragma once
 
 #include <openvdb/openvdb.h>
