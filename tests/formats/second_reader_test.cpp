@@ -30,15 +30,15 @@ namespace {
 constexpr int kNoZstd = 77;
 
 // Output and exit code of a program.
-struct Reading {
+struct Answer {
   int code = -1;
   std::string text;
 };
 
-Reading readPack(const std::string& arguments) {
+Answer readPack(const std::string& arguments) {
   const std::string command =
       std::string(KELP_PYTHON) + " -B " KELP_SOURCE_DIR "/tests/formats/read_pack.py " + arguments;
-  Reading out;
+  Answer out;
   std::FILE* pipe = ::popen(command.c_str(), "r");
   if (!pipe) return out;
   std::array<char, 4096> block;
@@ -160,7 +160,7 @@ TEST(SecondReader, ReadsWhatTheWriterWrote) {
   for (std::uint32_t seed = 50; seed < 52; ++seed) packs.push_back(test::makeRandomPack(seed, {3, 50, 3, 3}));
   for (const RawPack& pack : packs) {
     const PackFile file(test::writeToMemory(pack));
-    const Reading read = readPack("\"" + file.path.string() + "\"");
+    const Answer read = readPack("\"" + file.path.string() + "\"");
     if (read.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
     ASSERT_EQ(read.code, 0);
     ASSERT_EQ(read.text, dump(pack));
@@ -171,7 +171,7 @@ TEST(SecondReader, SeesEveryChangedByte) {
   for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
                               test::makeTinyEmptyPack()}) {
     const PackFile file(test::writeToMemory(pack));
-    const Reading damaged = readPack("--damage \"" + file.path.string() + "\"");
+    const Answer damaged = readPack("--damage \"" + file.path.string() + "\"");
     if (damaged.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
     EXPECT_EQ(damaged.code, 0);
   }
@@ -206,7 +206,7 @@ TEST(SecondReader, RefusesTheSameLies) {
       const std::uint64_t errors = verify(
           memory.source(), {}, [](void*, const Issue&) {}, nullptr);
       const PackFile file(bytes);
-      const Reading read = readPack("\"" + file.path.string() + "\" 2>&1");
+      const Answer read = readPack("\"" + file.path.string() + "\" 2>&1");
       if (read.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
       EXPECT_EQ(read.code, errors > 0 ? 3 : 0) << "chunk " << chunk.fourcc << " byte " << at << ", change "
                                                << i << ": " << read.text.substr(0, 300);
@@ -223,7 +223,7 @@ TEST(SecondReader, RefusesLiesAboutSockets) {
     test::PackSurgeon surgeon(test::tinyBytes());
     lie.tell(surgeon);
     const PackFile file(surgeon.build());
-    const Reading read = readPack("\"" + file.path.string() + "\" 2>&1");
+    const Answer read = readPack("\"" + file.path.string() + "\" 2>&1");
     if (read.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
     EXPECT_EQ(read.code, 3) << lie.name << ": " << read.text.substr(0, 300);
   }

@@ -66,10 +66,13 @@ def check_click(running, screen):
     assert not any(is_red(*pixel) for pixel in before), "something is red before it is clicked"
     assert check_picture.share(before, is_mint) > 0.003, "nothing hangs on the socket"
     check_encoded(before)
-    olive = [i for i, pixel in enumerate(before) if check_picture.is_olive(*pixel)]
-    # Well within the field, where a plant stands at every moment of its clip.
-    aim = olive[int(0.9 * len(olive))]
-    screen.click_until_red(aim % SIZE[0], aim // SIZE[0], SIZE, is_red, 0.0002)
+
+    def a_plant(pixels):  # well within the field; they sway
+        olive = [i for i, pixel in enumerate(pixels) if check_picture.is_olive(*pixel)]
+        at = olive[int(0.9 * len(olive))]
+        return at % SIZE[0], at // SIZE[0]
+
+    screen.click_until_red(a_plant, SIZE, is_red, 0.0002)
 
 
 def damaged(pack, finest):

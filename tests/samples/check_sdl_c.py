@@ -37,7 +37,7 @@ def check_click(program, pack):
     try:
         screen.find(*SIZE)
         # the stem of the plant to the left in front
-        screen.click_until_red(160, 470, SIZE, is_red, 0.002)
+        screen.click_until_red(lambda pixels: (160, 470), SIZE, is_red, 0.002)
         screen.close()
         assert process.wait(timeout=60) == 0
     finally:

@@ -101,11 +101,13 @@ class Screen:
         self.button(True)
         self.button(False)
 
-    def click_until_red(self, x, y, size, is_red, share):
-        """Until more than that share of the picture is."""
+    def click_until_red(self, aim, size, is_red, share):
+        """Until more than that share of the picture is; aim(pixels) is where, in the last picture."""
+        pixels = self.picture(*size)
         for _ in range(120):
-            self.click(x, y)
-            if sum(1 for pixel in self.picture(*size) if is_red(*pixel)) > share * size[0] * size[1]:
+            self.click(*aim(pixels))
+            pixels = self.picture(*size)
+            if sum(1 for pixel in pixels if is_red(*pixel)) > share * size[0] * size[1]:
                 return
         raise AssertionError("a click turns nothing red")
 

@@ -27,15 +27,19 @@ std::vector<std::uint8_t> unpackVoxels(const InputFiles& files, const std::strin
     refuse(Exit::kInvalid, files.input(), place,
            "does not unpack to the voxels of its size; the file is damaged: save it again");
   indices.pop_back();
-  std::vector<std::uint8_t> voxels;
-  voxels.reserve(4 * (count - static_cast<std::size_t>(std::count(indices.begin(), indices.end(), 0))));
-  std::size_t next = 0;
+  std::vector<std::uint8_t> voxels(
+      4 * (count - static_cast<std::size_t>(std::count(indices.begin(), indices.end(), 0))));
+  const std::uint8_t* next = indices.data();
+  std::uint8_t* out = voxels.data();
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
       for (int x = 0; x < size.x; ++x)
-        if (const std::uint8_t index = indices[next++]; index != 0)
-          voxels.insert(voxels.end(), {static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y),
-                                       static_cast<std::uint8_t>(z), index});
+        if (const std::uint8_t index = *next++; index != 0) {
+          *out++ = static_cast<std::uint8_t>(x);
+          *out++ = static_cast<std::uint8_t>(y);
+          *out++ = static_cast<std::uint8_t>(z);
+          *out++ = index;
+        }
   return voxels;
 }
 
