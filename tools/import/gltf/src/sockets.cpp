@@ -17,7 +17,7 @@ namespace {
 // of the extent: how far beyond the mesh's end a socket may lie without a notice
 constexpr double kBeyondEnd = 0.02;
 constexpr double kNothing = 1e-6;  // of the extent, of a quaternion: less is nothing
-constexpr double kFarthest = 1e6;   // in extents: as far as a rig's numbers go
+constexpr double kFarthest = 1e6;  // in extents: as far as a rig's numbers go
 
 // "hand" of "socket.hand", "socket_hand" or "socket-hand"; empty: another name.
 std::string nameOf(const std::string& node) {
