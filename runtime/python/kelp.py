@@ -52,10 +52,11 @@ import struct
 import threading
 import weakref
 import zlib
-from ctypes import (CFUNCTYPE, POINTER, byref, c_char, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint8,
-                    c_uint32, c_uint64, c_void_p, sizeof)
+from ctypes import (CFUNCTYPE, POINTER, byref, c_char, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32,
+                    c_uint64, c_void_p, sizeof)
 from dataclasses import dataclass, field, fields
-from typing import Any, Callable, Iterator, NamedTuple, Optional, Protocol, Sequence, Tuple, Type, TypeVar, Union
+from typing import (Any, Callable, Iterator, NamedTuple, Optional, Protocol, Sequence, Tuple, Type, TypeVar,
+                    Union)
 
 try:
     import numpy as np
@@ -363,7 +364,8 @@ def _load() -> ctypes.CDLL:
     path = os.environ.get("KELP_LIBRARY")
     beside = pathlib.Path(__file__).resolve().parents
     if not path and len(beside) > 3 and beside[2].name == "python3":
-        path = next((str(found) for pattern in (name, "*/" + name) for found in beside[3].glob(pattern)), None)
+        found = [*beside[3].glob(name), *beside[3].glob("*/" + name)]
+        path = str(found[0]) if found else None
     try:
         library = ctypes.CDLL(path or name)
     except OSError as error:
@@ -503,6 +505,13 @@ def _answer(kind: Type[_T], answer: Any, /, **given: Any) -> _T:
 # Objects and threads --------------------------------------------------------------------------------------
 
 _uses_lock = threading.Lock()
+
+
+def _of(one: Any, kind: Any) -> Any:
+    """Its handle, or for a text its bytes."""
+    if not isinstance(one, kind):
+        raise TypeError("an object of %s is wanted, not %r" % (kind.__name__, one))
+    return one.encode() if kind is str else one._handle
 
 
 class _Object:
@@ -791,13 +800,13 @@ class Asset(_Object):
     def find_clip(self, name: str) -> int:
         """The first clip of that name. Error: there is none; the text lists the names."""
         clip = c_int32()
-        _call("asset_find_clip", self._handle, name.encode(), byref(clip))
+        _call("asset_find_clip", self._handle, _of(name, str), byref(clip))
         return clip.value
 
     def find_socket(self, name: str, part: int = NONE) -> int:
         """The first socket of that name; of one part, or of any."""
         socket = c_int32()
-        _call("asset_find_socket", self._handle, name.encode(), part, byref(socket))
+        _call("asset_find_socket", self._handle, _of(name, str), part, byref(socket))
         return socket.value
 
     def resident_level(self, part: int, wanted: int = 0) -> Optional[int]:
@@ -856,7 +865,7 @@ class Pose(_Object):
     def __init__(self, asset: Asset):
         super().__init__()
         self.asset = asset
-        _call("pose_create", asset._handle, None, byref(self._handle))
+        _call("pose_create", _of(asset, Asset), None, byref(self._handle))
         self._made()
 
     def _change(self, name: str, *arguments: Any, read: Tuple[_Object, ...] = ()) -> None:
@@ -877,7 +886,7 @@ class Pose(_Object):
     def fits(self, asset: Asset) -> bool:
         """It has as many parts and knots as the asset."""
         fits = c_uint32()
-        self._read("fits", asset._handle, byref(fits))
+        self._read("fits", _of(asset, Asset), byref(fits))
         return bool(fits.value)
 
     def knots(self, part: int) -> Array:
@@ -911,12 +920,12 @@ class Pose(_Object):
         self._change("reset")
 
     def assign(self, other: Pose) -> None:
-        self._change("assign", other._handle, read=(other,))
+        self._change("assign", _of(other, Pose), read=(other,))
 
     def blend(self, to: Pose, weight: float, part_weights: Optional[npt.ArrayLike] = None) -> None:
         """Moves the pose towards `to`; weight 1 makes it `to`. part_weights: (parts,) factors of it."""
         factors = np.zeros(0) if part_weights is None else _array(part_weights, (None,), "part_weights")
-        self._change("blend", to._handle, weight, _floats(factors) if len(factors) else None, len(factors),
+        self._change("blend", _of(to, Pose), weight, _floats(factors) if len(factors) else None, len(factors),
                      read=(to,))
 
     def check(self) -> None:
@@ -930,9 +939,10 @@ class Pose(_Object):
     def add_clip(self, clip: Union[int, str], seconds: float, weight: float = 1, play: Play = Play.LOOP,
                  asset: Optional[Asset] = None) -> None:
         """Adds `weight` times the clip, by index or name, at `seconds`. asset: the pose's own."""
-        of = asset or self.asset
+        of = self.asset if asset is None else asset
+        handle = _of(of, Asset)
         index = of.find_clip(clip) if isinstance(clip, str) else clip
-        self._change("add_clip", of._handle, index, seconds, weight, play)
+        self._change("add_clip", handle, index, seconds, weight, play)
 
 
 def _counted(call: Callable[[Any, int, Any], None], kind: np.dtype[Any]) -> Array:
@@ -962,13 +972,13 @@ class Instance:
 
     def _fill(self, to: Any) -> list[Array]:
         """Returns what must live as long as `to` is used."""
-        to.struct_size, to.asset = sizeof(_Instance), self.asset._handle
+        to.struct_size, to.asset = sizeof(_Instance), _of(self.asset, Asset)
         to.to_world[:] = _matrix(self.to_world, "to_world").tolist()
         to.tint[:] = _array(self.tint, (4,), "tint").tolist()
         if self.pose is not None:
-            to.pose = self.pose._handle
+            to.pose = _of(self.pose, Pose)
         if self.previous_pose is not None:
-            to.previous_pose = self.previous_pose._handle
+            to.previous_pose = _of(self.previous_pose, Pose)
         kept = []
         if self.palette is not None:
             kept.append(_records(self.palette, MATERIAL, 1, "palette"))
@@ -1029,7 +1039,8 @@ Instances = Union[Instance, Sequence[Instance]]
 
 
 @contextlib.contextmanager
-def _used(instances: Instances, change: Optional[_Object] = None, *others: _Object) -> Iterator[Tuple[Any, int]]:
+def _used(instances: Instances, change: Optional[_Object] = None,
+          *others: _Object) -> Iterator[Tuple[Any, int]]:
     """The instances as an array of C, and their number; until then nobody changes their poses."""
     many = [instances] if isinstance(instances, Instance) else list(instances)
     if not all(isinstance(one, Instance) for one in many):
@@ -1052,7 +1063,7 @@ class Spring(_Object):
         super().__init__()
         options = _defaults(_SpringOptions, "spring_options", frequency=frequency, damping=damping,
                             reach=reach, rooted=rooted)
-        _call("spring_create", asset._handle, byref(options), None, byref(self._handle))
+        _call("spring_create", _of(asset, Asset), byref(options), None, byref(self._handle))
         self._made()
 
     def _change(self, name: str, *arguments: Any) -> None:
@@ -1107,8 +1118,9 @@ class Spring(_Object):
 
     def add_to(self, pose: Pose) -> None:
         """Adds the offsets to the pose, then clamps it."""
+        handle = _of(pose, Pose)
         with _using(self, change=pose):
-            _call("spring_add_to", self._handle, pose._handle)
+            _call("spring_add_to", self._handle, handle)
 
 
 # Queries --------------------------------------------------------------------------------------------------
@@ -1160,8 +1172,8 @@ class SphereCast(NamedTuple):
 
 def raycast(instances: Instances, origin: npt.ArrayLike, direction: npt.ArrayLike, t_max: float = math.inf,
             level: int = 0) -> Optional[Hit]:
-    """The nearest hit of a ray with the solid voxels that are in memory, at `level` or the finest coarser one.
-    direction: any length above 0; t_max counts in it. None: no hit. Never blocks."""
+    """The nearest hit of a ray with the solid voxels that are in memory, at `level` or the finest coarser
+    one. direction: any length above 0; t_max counts in it. None: no hit. Never blocks."""
     answer = _new(_RaycastAnswer)
     with _used(instances) as used:
         _call("raycast", *used, _vector(origin, "origin"), _vector(direction, "direction"), t_max, level,
@@ -1212,7 +1224,8 @@ def overlaps_capsule(instances: Instances, a: npt.ArrayLike, b: npt.ArrayLike, r
 
 
 def overlaps_box(instances: Instances, center: npt.ArrayLike, half_size: npt.ArrayLike,
-                 rotation: npt.ArrayLike = (0, 0, 0, 1), boxes: Optional[npt.ArrayLike] = None) -> Optional[int]:
+                 rotation: npt.ArrayLike = (0, 0, 0, 1),
+                 boxes: Optional[npt.ArrayLike] = None) -> Optional[int]:
     """The same of a box. rotation: a unit quaternion x, y, z, w."""
     return _overlaps("box", instances, boxes, _vector(center, "center"), _vector(half_size, "half_size"),
                      _vector(rotation, "rotation", 4))
@@ -1258,8 +1271,8 @@ class View:
     bind: Optional[Callable[[int], None]] = None
 
     @staticmethod
-    def look_at(size: Tuple[int, int], eye: npt.ArrayLike, target: npt.ArrayLike, up: npt.ArrayLike = (0, 1, 0),
-                field_of_view: float = 0.7) -> View:
+    def look_at(size: Tuple[int, int], eye: npt.ArrayLike, target: npt.ArrayLike,
+                up: npt.ArrayLike = (0, 1, 0), field_of_view: float = 0.7) -> View:
         """A perspective view of `target` from `eye`, for a picture of `size` pixels that encodes nothing.
         field_of_view: from the lower to the upper edge. up: not along the view."""
         place = _array(eye, (3,), "eye").astype(float)
@@ -1334,6 +1347,9 @@ class Renderer(_Object):
                  surface_glsl: Optional[str] = None, features: Optional[Feature] = None,
                  state: Optional[State] = None, log: Optional[Callable[[str], None]] = None):
         super().__init__()
+        if not isinstance(on, Canvas) and not callable(on):
+            raise TypeError("a renderer is made on a Canvas, or with a function that finds those of OpenGL, "
+                            "not with %r" % (on,))
         self._canvas = on if isinstance(on, Canvas) else None
         address = on._address if isinstance(on, Canvas) else on
         self._caught = _Caught()
@@ -1342,7 +1358,7 @@ class Renderer(_Object):
         tell = _Log(self._caught.guard(lambda _, text: log(text.decode(errors="replace")) if log else None))
         options = _defaults(
             _RendererOptions, "renderer_options", gpu_budget=gpu_budget, features=features, state=state,
-            surface_glsl=None if surface_glsl is None else surface_glsl.encode())
+            surface_glsl=None if surface_glsl is None else _of(surface_glsl, str))
         options.get_proc_address, options.log = find, tell
         self._be_current()
         with self._caught.raised():
@@ -1379,11 +1395,11 @@ class Renderer(_Object):
 
     def add(self, asset: Asset) -> None:
         """Registers an asset, and keeps it alive. Error, Result.LIMIT: no room in gpu_budget."""
-        self._do("add", asset._handle)
+        self._do("add", _of(asset, Asset))
         self._assets.append(asset)
 
     def remove(self, asset: Asset) -> None:
-        self._do("remove", asset._handle)
+        self._do("remove", _of(asset, Asset))
         self._assets = [one for one in self._assets if one is not asset]
 
     def upload(self, max_bytes: int = 4 << 20) -> Stats:
@@ -1392,7 +1408,8 @@ class Renderer(_Object):
         self._do("upload", max_bytes, byref(stats))
         return _stats(stats)
 
-    def _with(self, name: str, view: View, instances: Instances, before: Tuple[Any, ...], after: int) -> Stats:
+    def _with(self, name: str, view: View, instances: Instances, before: Tuple[Any, ...],
+              after: int) -> Stats:
         stats = _new(_Stats)
         filled, kept = view._filled(self._caught)
         with _used(instances, self, *self._assets) as used, self._caught.raised():
@@ -1490,13 +1507,15 @@ class Canvas:
         try:
             self._egl = ctypes.CDLL("libEGL.so.1")
         except OSError as error:
-            raise Error(Result.GRAPHICS, "%s; install it (Debian: libegl1 libgl1-mesa-dri)" % error) from error
+            raise Error(Result.GRAPHICS, "%s; install it (Debian: libegl1 libgl1-mesa-dri)" % error) \
+                from error
         for name, (result, parameters) in _EGL.items():
             getattr(self._egl, name).restype, getattr(self._egl, name).argtypes = result, parameters
         self._context = self._make_context()
         self._finalizer = weakref.finalize(self, self._egl.eglDestroyContext, self._display, self._context)
         self.make_current()
-        self._gl = {name: CFUNCTYPE(c_uint32, *kinds)(self._address(name) or 0) for name, kinds in _GL.items()}
+        self._gl = {name: CFUNCTYPE(c_uint32, *kinds)(self._address(name) or 0)
+                    for name, kinds in _GL.items()}
         self._make_framebuffer()
 
     def _make_context(self) -> int:
@@ -1540,8 +1559,8 @@ class Canvas:
             raise Error(Result.WRONG_THREAD, "the canvas belongs to another thread")
         if self._egl.eglGetCurrentContext() != self._context and not self._egl.eglMakeCurrent(
                 self._display, None, None, self._context):
-            raise Error(Result.GRAPHICS, "the canvas cannot become current: call release() on the thread where "
-                                         "it is")
+            raise Error(Result.GRAPHICS, "the canvas cannot become current: call release() on the thread "
+                                         "where it is")
 
     def release(self) -> None:
         """Its context is no longer that of the thread, so that another one may call use_here()."""
@@ -1607,4 +1626,5 @@ def write_png(path: Union[str, os.PathLike[str]], picture: npt.ArrayLike) -> Non
     with open(path, "wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n")
         for name, data in ((b"IHDR", header), (b"IDAT", zlib.compress(rows.tobytes())), (b"IEND", b"")):
-            file.write(struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)))
+            file.write(struct.pack(">I", len(data)) + name + data)
+            file.write(struct.pack(">I", zlib.crc32(name + data)))

@@ -11,7 +11,7 @@ with kelp.Canvas(640, 480) as canvas, kelp.Asset(pack) as asset:
         pose.add_clip(0, seconds=0.25)
     model = kelp.Instance(asset, pose)
     low, high = model.bounds()
-    middle, far = (low + high) / 2, 1.6 * numpy.linalg.norm(high - low)
+    middle, far = (low + high) / 2, 1.2 * numpy.linalg.norm(high - low)
     asset.load_all()
     print(kelp.raycast(model, middle + (0, 0, far), (0, 0, -1)))
     renderer = kelp.Renderer(canvas)
