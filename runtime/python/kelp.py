@@ -52,8 +52,8 @@ import struct
 import threading
 import weakref
 import zlib
-from ctypes import (CFUNCTYPE, POINTER, byref, c_char, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32,
-                    c_uint64, c_void_p, sizeof)
+from ctypes import (CFUNCTYPE, POINTER, byref, c_char, c_char_p, c_double, c_float, c_int32, c_size_t,
+                    c_uint32, c_uint64, c_void_p, sizeof)
 from dataclasses import dataclass, field, fields
 from typing import (Any, Callable, Iterator, NamedTuple, Optional, Protocol, Sequence, Tuple, Type, TypeVar,
                     Union)
@@ -1438,18 +1438,23 @@ class Renderer(_Object):
         for, are drawn coarser. An instance that cannot be drawn is an Error."""
         if not self._canvas:
             raise TypeError("picture() is for renderers on a Canvas")
+        self._feed()
         while True:
             self._canvas.clear(background)
             drawn = [self.draw(view, instances, one) for one in (Pass.COLOR, Pass.FOG)][0]
             if drawn.left_out:
                 raise Error(drawn.first_left_out_result, "instance %d cannot be drawn: %s" % (
                     drawn.first_left_out, drawn.first_left_out_text), drawn.first_left_out, Unit.INSTANCE)
-            sent = self.upload(1 << 30)
-            loaded = [asset for asset in self._assets if asset.pump()]
-            while any(asset.pump() for asset in loaded):
-                pass
-            if not sent.bytes_uploaded and not loaded:
+            if not self._feed():
                 return self._canvas.pixels()
+
+    def _feed(self) -> bool:
+        """Loads and sends what the draws asked for. False: there was nothing."""
+        sent = self.upload(1 << 30).bytes_uploaded
+        loaded = [asset for asset in self._assets if asset.pump()]
+        while any(asset.pump() for asset in loaded):
+            pass
+        return bool(sent + self.upload(1 << 30).bytes_uploaded or loaded)
 
 
 def _stats(stats: Any) -> Stats:
