@@ -219,6 +219,14 @@ class Threads(BadInput):
         self.assertEqual([kelp.Result.BUSY] * 7, [error.code for error in found])
         self.pose.reset()
 
+    def test_poses_while_changed(self):
+        with kelp._using(change=self.pose):
+            for call in (self.plant.bounds, self.pose.check, self.pose.reset, self.pose.close,
+                         lambda: kelp.raycast(self.plant, ZERO, (1, 0, 0)),
+                         lambda: kelp.Pose(self.asset).assign(self.pose)):
+                self.assertEqual(kelp.Result.BUSY, self.on_thread(call).code)
+        self.plant.bounds()
+
     def test_many(self):
         """Threads use, change and close the same objects: what fails says why."""
         wrong = []
@@ -345,7 +353,9 @@ class Arguments(BadInput):
         self.code(kelp.Result.MISUSE, kelp.distance, kelp.Instance(kelp.Asset(PACK)), ZERO)
 
     def test_drawing(self):
-        renderer = kelp.Renderer(self.canvas())
+        said = []
+        renderer = kelp.Renderer(self.canvas(), log=said.append)
+        gc.collect()
         self.code(kelp.Result.MISUSE, renderer.draw, self.view, self.plant)
         renderer.add(self.asset)
         self.code(kelp.Result.MISUSE, renderer.add, self.asset)
@@ -360,6 +370,7 @@ class Arguments(BadInput):
         self.view.finest_level = None
         self.pose.move(0, 1, (0, -3, 0))
         self.assertEqual(1, renderer.draw(self.view, self.plant).left_out)
+        self.assertIn("turns back", "".join(said))
         self.fails(kelp.Error, "turns back", renderer.picture, self.view, self.plant)
         self.code(kelp.Result.GRAPHICS, kelp.Renderer, renderer._canvas, surface_glsl="nonsense")
         self.code(kelp.Result.MISUSE, kelp.Renderer, renderer._canvas, features=64)
