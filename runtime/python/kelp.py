@@ -136,6 +136,12 @@ class Play(enum.IntEnum):
     ONCE = 1
 
 
+class Unsound(enum.IntEnum):
+    """What a draw does with an instance whose pose Pose.check() refuses."""
+    LEAVE_OUT = 0
+    CLAMP = 1
+
+
 class State(enum.IntEnum):
     """What a renderer does to the state of OpenGL: RESTORE leaves it as it was."""
     RESTORE = 0
@@ -242,7 +248,8 @@ _DistanceLevel = _sized(
     pages=c_uint32, cells=c_void_p, first_slots=c_void_p, codes=c_void_p, code_count=c_uint64)
 _Instance = _sized(
     "kelp_instance", palette_count=c_uint32, palette=c_void_p, asset=_Handle, pose=_Handle,
-    to_world=c_float * 16, tint=c_float * 4, previous_pose=_Handle, previous_to_world=_Floats)
+    to_world=c_float * 16, tint=c_float * 4, previous_pose=_Handle, previous_to_world=_Floats,
+    unsound=c_int32)
 _RaycastAnswer = _sized(
     "kelp_raycast_answer", found=c_uint32, t=c_float, position=c_float * 3, normal=c_float * 3,
     rest=c_float * 3, instance=c_int32, part=c_int32, level=c_int32, voxel=c_int32 * 3, material=c_uint32)
@@ -262,7 +269,7 @@ _RendererOptions = _sized(
 _Stats = _sized(
     "kelp_stats", instances=c_uint32, culled=c_uint32, left_out=c_uint32, draws=c_uint32, pending=c_uint32,
     bytes_uploaded=c_uint64, gpu_bytes=c_uint64, first_left_out_result=c_int32, first_left_out=c_uint32,
-    first_left_out_text=c_char_p)
+    first_left_out_text=c_char_p, too_small=c_uint32, waiting=c_uint32, other_kind=c_uint32, clamped=c_uint32)
 _Bind = CFUNCTYPE(None, c_void_p, c_uint32)
 _View = _sized(
     "kelp_view", viewport=c_int32 * 2, world_to_eye=c_float * 16, eye_to_clip=c_float * 16,
@@ -287,6 +294,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "asset_retry": (_Handle,),
     "asset_get_info": (_Handle, _p(_AssetInfo)),
     "asset_get_part": (_Handle, c_int32, _p(_Part)),
+    "asset_find_part": (_Handle, c_char_p, _p(c_int32)),
     "asset_get_clip": (_Handle, c_int32, _p(_Clip)),
     "asset_find_clip": (_Handle, c_char_p, _p(c_int32)),
     "asset_get_wave": (_Handle, c_int32, c_int32, _p(_Wave)),
@@ -797,6 +805,12 @@ class Asset(_Object):
             return [_answer(Socket, self._get("socket", _Socket, i))
                     for i in range(self._get("info", _AssetInfo).sockets)]
 
+    def find_part(self, name: str) -> int:
+        """The first part of that name. Error: there is none; the text lists the names."""
+        part = c_int32()
+        _call("asset_find_part", self._handle, _of(name, str), byref(part))
+        return part.value
+
     def find_clip(self, name: str) -> int:
         """The first clip of that name. Error: there is none; the text lists the names."""
         clip = c_int32()
@@ -957,7 +971,8 @@ def _counted(call: Callable[[Any, int, Any], None], kind: np.dtype[Any]) -> Arra
 class Instance:
     """A posed asset in the world. Change its fields as you like. pose: None: at rest. to_world: meters of the
     model -> world. tint: multiplies the base color. palette: (n,) MATERIAL in place of the pack's.
-    previous_...: of the frame before, for motion vectors."""
+    previous_...: of the frame before, for motion vectors. unsound: what draws do if the pose cannot be
+    drawn."""
 
     asset: Asset
     pose: Optional[Pose] = None
@@ -966,6 +981,7 @@ class Instance:
     palette: Optional[npt.ArrayLike] = None
     previous_pose: Optional[Pose] = None
     previous_to_world: Optional[npt.ArrayLike] = None
+    unsound: Unsound = Unsound.LEAVE_OUT
 
     def _objects(self) -> list[_Object]:
         return [one for one in (self.asset, self.pose, self.previous_pose) if one is not None]
@@ -975,6 +991,7 @@ class Instance:
         to.struct_size, to.asset = sizeof(_Instance), _of(self.asset, Asset)
         to.to_world[:] = _matrix(self.to_world, "to_world").tolist()
         to.tint[:] = _array(self.tint, (4,), "tint").tolist()
+        to.unsound = _scalar(c_int32, self.unsound)
         if self.pose is not None:
             to.pose = _of(self.pose, Pose)
         if self.previous_pose is not None:
@@ -1320,7 +1337,9 @@ def level_at(view: View, instance: Instance, part: int, x: int, y: int) -> Optio
 
 class Stats(NamedTuple):
     """pending: grids and pages that are wanted and not yet on the GPU. left_out: instances that cannot be
-    drawn; first_left_out_...: the first one, and why."""
+    drawn; first_left_out_...: the first one, and why. culled: parts out of view, and the too_small ones.
+    waiting: parts in view of which nothing is on the GPU yet. other_kind: instances without a part that this
+    pass draws. clamped: instances that were drawn with a clamped pose."""
     instances: int
     culled: int
     left_out: int
@@ -1331,6 +1350,10 @@ class Stats(NamedTuple):
     first_left_out_result: Result
     first_left_out: int
     first_left_out_text: str
+    too_small: int
+    waiting: int
+    other_kind: int
+    clamped: int
 
 
 class Renderer(_Object):

@@ -160,7 +160,8 @@ def check_python(folder, library, text, functions, laid_out):
 
     enums = {"ERROR": module.Result, "OK": module.Result, "UNIT": module.Unit, "PART": module.PartKind,
              "BEND": module.Bend, "TARGET": module.Target, "INTERPOLATION": module.Interpolation,
-             "PLAY": module.Play, "STATE": module.State, "FEATURE": module.Feature,
+             "PLAY": module.Play, "STATE": module.State, "UNSOUND": module.Unsound,
+             "FEATURE": module.Feature,
              "CLIP_RANGE": module.ClipRange, "SHADING": module.Shading, "OUTPUT": module.Output,
              "PASS": module.Pass, "READ": module._Read}
     wanted = {}

@@ -63,7 +63,8 @@ class Contents(Column):
         self.assertEqual((0, 1, kelp.Target.KNOT_OFFSET, 2), clip.waves[0][:3] + (clip.waves[0].period,))
         self.near(clip.waves[0].amplitude, (0.25, 0, 0))
         self.assertEqual(["top"], [socket.name for socket in self.asset.sockets])
-        self.assertEqual(0, self.asset.find_socket("top"))
+        self.assertEqual((0, 0, 0), (self.asset.find_socket("top"), self.asset.find_part(part.name),
+                                     self.asset.find_clip("sway")))
 
     def test_levels(self):
         level = self.asset.level(0, 0)
@@ -275,13 +276,19 @@ class Pictures(Column):
         self.assertTrue(sent.pending == 0 and sent.bytes_uploaded > 0)
         self.canvas.clear((0.2, 0.4, 0.6, 1))
         drawn = renderer.draw(self.view, self.bent)
-        self.assertEqual((1, 0, 1), (drawn.instances, drawn.left_out, drawn.draws))
+        self.assertEqual((1, 0, 0, 1), (drawn.instances, drawn.left_out, drawn.waiting, drawn.draws))
         self.check(self.canvas.pixels())
         # The near plane is at a hundredth of the way to the target, and the far plane at infinity.
         depth = self.canvas.depth()
         self.near(depth[place(0.2, 0.9)], 1 - 0.025 / 2.375, 1e-4)
         self.assertEqual(1, depth[place(-0.6, 0.9)])
         self.assertEqual([], said)
+        # Its tip turned upside down, the column is left out, or drawn as clamp() makes it.
+        self.pose.move(0, 1, (0, -3, 0))
+        self.assertEqual(1, renderer.draw(self.view, self.bent).left_out)
+        self.bent.unsound = kelp.Unsound.CLAMP
+        drawn = renderer.draw(self.view, self.bent)
+        self.assertEqual((0, 1), (drawn.left_out, drawn.clamped))
         renderer.remove(self.asset)
         with self.assertRaises(kelp.Error):
             renderer.draw(self.view, self.bent)

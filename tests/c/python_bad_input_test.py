@@ -352,6 +352,19 @@ class Arguments(BadInput):
             self.fails(kelp.Error, "", kelp.Asset, data[:size])
         self.code(kelp.Result.MISUSE, kelp.distance, kelp.Instance(kelp.Asset(PACK)), ZERO)
 
+    def test_contexts(self):
+        """A renderer makes its canvas current; one on a host's context finds out that another one is."""
+        first, second = self.canvas(), self.canvas()
+        own, renderer = kelp.Renderer(second._address), kelp.Renderer(first)
+        second.make_current()
+        own.upload(0)
+        first.make_current()
+        self.code(kelp.Result.MISUSE, own.upload, 0)
+        second.make_current()
+        renderer.upload(0)
+        second.make_current()
+        own.close()
+
     def test_drawing(self):
         said = []
         renderer = kelp.Renderer(self.canvas(), log=said.append)
