@@ -15,13 +15,14 @@ build=(g++ cmake ninja-build ccache pkg-config python3)
 runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpng-dev
          libopenmesh-dev  # kelp-dump extract --proxy
          libegl-dev libgl-dev libgles-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev
-         python3-jsonschema)  # tests only: published schemas by another validator
+         python3-jsonschema   # tests only: published schemas by another validator
+         python3-numpy)       # tests only: kelp.py
 baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev
        libtinygltf-dev libdraco-dev
        libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev libseccomp-dev
        make)  # tests only: it reads the rules of kelp-bake -MD
 samples=(libglfw3-dev libsdl2-dev libimgui-dev xvfb xauth libxtst6)
-format=(clang-format)  # tests/check_house.py
+format=(clang-format mypy)  # tests/check_house.py, kelp.py
 manual=(groff-base mandoc man-db desktop-file-utils shared-mime-info libglib2.0-bin)  # tests/install
 sanitizers=(clang libclang-rt-14-dev lld llvm)
 lint=(clang-tidy cppcheck)

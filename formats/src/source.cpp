@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/formats/source.h"
 
+#include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <new>
 #include <utility>
@@ -8,6 +10,22 @@
 #include "file_source.h"
 
 namespace kelp {
+namespace {
+
+// "PATH: DETAIL: the system's reason". The thread's own text, because nobody else would keep it; errno stays.
+Error nameFile(const char* path, const Error& error) {
+  constexpr std::size_t kMostBytes = 512, kMostOfPath = 384;
+  static thread_local char text[kMostBytes];
+  const int reason = errno;
+  // Of a long path the end says more.
+  const std::size_t length = std::strlen(path), cut = length > kMostOfPath ? length - kMostOfPath : 0;
+  std::snprintf(text, sizeof text, "%s%s: %s: %s", cut > 0 ? "..." : "", path + cut, error.detail,
+                std::strerror(reason));
+  errno = reason;
+  return {error.code, text};
+}
+
+}  // namespace
 
 // Whoever calls it stays within the source's size.
 Read MemorySource::read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
@@ -18,7 +36,7 @@ Read MemorySource::read(void* user, std::uint64_t offset, std::span<std::byte> b
 Result<FileSource> FileSource::open(const char* path) {
   if (!path) return Error{ErrorCode::kMisuse, "the path is null"};
   const Result<OpenFile> opened = openFile(path);
-  if (!opened) return opened.error();
+  if (!opened) return opened.error().code == ErrorCode::kIo ? nameFile(path, opened.error()) : opened.error();
   FileSource source;
   source.file_ = new (std::nothrow) File;
   if (!source.file_) {

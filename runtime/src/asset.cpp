@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <new>
+#include <string_view>
 #include <utility>
 
 #include "asset_impl.h"
@@ -168,6 +169,7 @@ void Asset::Impl::finish(const Task& task, std::uint64_t reserved, const Result<
 }
 
 Result<bool> Asset::Impl::pump(Wanted wanted) {
+  pumped.store(true, std::memory_order_relaxed);
   const auto passesNow = [this] {
     std::lock_guard lock(mutex);
     return passes;
@@ -269,6 +271,7 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const AssetOpti
     return prepared.error();
   if (Result<void> prepared = impl->prepareLevels(); !prepared) return prepared.error();
   if (!impl->absent_clip.prepare("clip", impl->pack.clips()) ||
+      !impl->absent_part.prepare("part", impl->pack.parts()) ||
       !impl->absent_socket.prepare("socket", impl->pack.sockets()))
     return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
   auto* const life = new (std::nothrow) Life;
@@ -284,7 +287,14 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const AssetOpti
 Result<std::unique_ptr<Asset>> Asset::open(const char* path, const AssetOptions& options) {
   const Result<FileSource> file = FileSource::open(path);
   if (!file) return file.error();
-  return open(file->source(), options);
+  Result<std::unique_ptr<Asset>> opened = open(file->source(), options);
+  if (!opened) return opened;
+  std::string_view name(path);
+  name.remove_prefix(name.find_last_of("/\\") + 1);
+  Buffer<char>& kept = (*opened)->impl_->name;
+  if (!kept.reset(name.size() + 1)) return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
+  *std::copy(name.begin(), name.end(), kept.begin()) = '\0';
+  return opened;
 }
 
 const Pack& Asset::pack() const { return impl_->pack; }

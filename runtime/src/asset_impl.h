@@ -40,7 +40,9 @@ struct Asset::Impl {
       : pack(std::move(opened)),
         options(given),
         clips(given.allocator),
+        name(given.allocator),
         absent_clip(given.allocator),
+        absent_part(given.allocator),
         absent_socket(given.allocator),
         first_level(given.allocator),
         place(given.allocator) {}
@@ -119,7 +121,9 @@ struct Asset::Impl {
   Pack pack;
   AssetOptions options;
   simd::ClipTables clips;
-  AbsentName absent_clip, absent_socket;
+  Buffer<char> name;                // of the file, without its folder; empty: opened from a source
+  std::atomic<bool> pumped{false};  // pump() or loadAll() was called
+  AbsentName absent_clip, absent_part, absent_socket;
   // In the order of loading: voxels, then distances, each coarse to fine, then by part.
   std::unique_ptr<LevelState[]> states;
   std::size_t state_count = 0, voxel_count = 0;
@@ -170,9 +174,10 @@ struct ClipReader {
   static const simd::ClipTables& tables(const Asset& asset) { return asset.impl().clips; }
 };
 
-// Access for findClip() and findSocket().
+// Access for findClip(), findPart() and findSocket().
 struct NameReader {
   static Error absentClip(const Asset& asset) { return asset.impl().absent_clip.error(); }
+  static Error absentPart(const Asset& asset) { return asset.impl().absent_part.error(); }
   static Error absentSocket(const Asset& asset) { return asset.impl().absent_socket.error(); }
 };
 

@@ -272,6 +272,13 @@ Result<glm::mat4> frameAt(const Instance& instance, int part, const glm::vec3& r
   return frameIn(posedPart(instance, part), matrixOf(instance, part), toVoxels(instance, part, rest));
 }
 
+Result<int> findPart(const Asset& asset, std::string_view name) {
+  const std::span<const Part> parts = asset.pack().parts();
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (parts[i].name == name) return static_cast<int>(i);
+  return NameReader::absentPart(asset);
+}
+
 Result<int> findSocket(const Asset& asset, std::string_view name, int part) {
   const std::span<const Socket> sockets = asset.pack().sockets();
   for (std::size_t i = 0; i < sockets.size(); ++i) {

@@ -30,6 +30,12 @@ void PageAccess::beginRequests(const Asset& asset) {
   asset.impl().round.fetch_add(1, std::memory_order_relaxed);
 }
 
+const char* PageAccess::name(const Asset& asset) {
+  return asset.impl().name.empty() ? "an asset" : asset.impl().name.data();
+}
+
+bool PageAccess::wasPumped(const Asset& asset) { return asset.impl().pumped.load(std::memory_order_relaxed); }
+
 const Level* PageAccess::level(const Asset& asset, const LevelId& id) {
   return id.distances ? asset.distances(id.part, id.level) : asset.level(id.part, id.level);
 }

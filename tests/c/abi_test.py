@@ -5,10 +5,13 @@
 - libkelp.so exports the functions that the headers declare, and nothing else; its SONAME is right.
 - Functions, structs (sizes, offsets) and constants are those of tests/c/kelp.abi. --write writes that file:
   what may change is said in runtime/c/README.md, "ABI".
-- tests/c calls every function."""
+- tests/c calls every function.
+- kelp.py has the same functions, structs and constants. Skipped, and said so, where NumPy is absent."""
 
+import ctypes
 import difflib
 import glob
+import importlib
 import os
 import re
 import subprocess
@@ -84,6 +87,96 @@ def check_header(include, cc, cxx):
             run(compiler, "-std=" + standard, *STRICT, "-I", include, "-c", source, "-o", os.devnull)
 
 
+def ctypes_of(declaration, module, aliases):
+    """The types of a function's parameters, as ctypes has them."""
+    simple = {"int32_t": ctypes.c_int32, "uint32_t": ctypes.c_uint32, "uint64_t": ctypes.c_uint64,
+              "float": ctypes.c_float, "double": ctypes.c_double, "char": ctypes.c_char}
+    pointers = {"char": ctypes.c_char_p, "void": ctypes.c_void_p, "kelp_allocator": ctypes.c_void_p}
+    kinds = []
+    for parameter in re.search(r"\((.*)\)", declaration)[1].split(","):
+        name, stars, array = re.match(r"(?:const )?(\w+)\s*([* const]*?)\s*\w+(\[\d+\])?$",
+                                      parameter.strip()).groups()
+        name = aliases.get(name, name)
+        depth = stars.count("*") + bool(array)
+        kind = simple.get(name, module._STRUCTS.get(name))
+        if depth and (name in pointers or not isinstance(kind, type)):  # structs of NumPy: any pointer
+            kind, depth = pointers.get(name, ctypes.c_void_p), depth - 1
+        for _ in range(depth):
+            kind = ctypes.POINTER(kind)
+        kinds.append(kind)
+    return tuple(kinds)
+
+
+def layout_of(structs):
+    """As layout(), of the structs of kelp.py."""
+    for name, kind in structs.items():
+        if isinstance(kind, type):
+            yield "struct %s: %d bytes" % (name, ctypes.sizeof(kind))
+            fields = [(field, getattr(kind, field)) for field, _ in kind._fields_]
+            yield from ("  %s: %d bytes at %d" % (field, at.size, at.offset) for field, at in fields)
+        else:
+            yield "struct %s: %d bytes" % (name, kind.itemsize)
+            yield from ("  %s: %d bytes at %d" % (field, at[0].itemsize, at[1])
+                        for field, at in kind.fields.items())
+
+
+def check_python(folder, library, text, functions, laid_out):
+    os.environ["KELP_LIBRARY"] = library
+    sys.path.insert(0, folder + "/runtime/python")
+    try:
+        module = importlib.import_module("kelp")
+    except ImportError as absent:
+        print("SKIPPED: kelp.py: %s" % absent)
+        return
+    aliases = dict((name, kind) for kind, name in re.findall(r"typedef (\w+) (kelp_\w+);", text))
+    # Without the two that return no result, and the allocator, which cannot be one of Python's.
+    ours = {"kelp_" + name: kinds for name, kinds in module._FUNCTIONS.items()}
+    theirs = {name: ctypes_of(declaration, module, aliases) for name, declaration in functions.items()
+              if name not in ("kelp_version", "kelp_result_text")}
+    for name in sorted(set(ours) | set(theirs)):
+        assert ours.get(name) == theirs.get(name), "kelp.py: %s takes %s, and in the header %s" % (
+            name, ours.get(name), theirs.get(name))
+
+    wanted = re.sub(r"struct kelp_allocator.*\n(?:  .*\n)*", "", laid_out)
+    structs = sorted(re.findall(r"struct .*\n(?:  .*\n)*", wanted))
+    found = sorted(re.findall(r"struct .*\n(?:  .*\n)*", "\n".join(layout_of(module._STRUCTS)) + "\n"))
+    assert structs == found, "kelp.py: a struct differs from the header's:\n" + "\n".join(
+        difflib.unified_diff("".join(structs).splitlines(), "".join(found).splitlines(), "header", "kelp.py",
+                             lineterm=""))
+
+    # What a program sees has all fields, but for sizes and counts that arrays and lists have.
+    hidden = {"struct_size", "palette_count", "knot_count", "key_count", "fog_ramp_count", "code_count",
+              "grid", "found", "bind_user"}
+    for name, public in {
+            "asset_info": module.AssetInfo, "part": module.Part, "clip": module.Clip, "wave": module.Wave,
+            "track": module.Track, "socket": module.Socket, "level": module.Level,
+            "distance_level": module.DistanceLevel, "instance": module.Instance,
+            "raycast_answer": module.Hit, "distance_answer": module.Distance,
+            "closest_point_answer": module.ClosestPoint, "sphere_cast_answer": module.SphereCast,
+            "view": module.View, "stats": module.Stats}.items():
+        fields = {field for field, _ in module._STRUCTS["kelp_" + name]._fields_} - hidden
+        assert fields == set(public.__annotations__), "kelp.py: %s and kelp_%s: %s" % (
+            public.__name__, name, fields ^ set(public.__annotations__))
+
+    enums = {"ERROR": module.Result, "OK": module.Result, "UNIT": module.Unit, "PART": module.PartKind,
+             "BEND": module.Bend, "TARGET": module.Target, "INTERPOLATION": module.Interpolation,
+             "PLAY": module.Play, "STATE": module.State, "UNSOUND": module.Unsound,
+             "FEATURE": module.Feature,
+             "CLIP_RANGE": module.ClipRange, "SHADING": module.Shading, "OUTPUT": module.Output,
+             "PASS": module.Pass, "READ": module._Read}
+    wanted = {}
+    for name, value in re.findall(r"^KELP_(\w+) = (-?\d+)$", laid_out, flags=re.M):
+        prefix = next((prefix for prefix in enums if re.match(prefix + "(_|$)", name)), None)
+        if prefix is None:
+            assert getattr(module, name) == int(value), "kelp.py: " + name
+        else:
+            wanted[(enums[prefix], name if name == "OK" else name[len(prefix) + 1:])] = int(value)
+    found = {(enum, name): member.value for enum in enums.values()
+             for name, member in enum.__members__.items()}
+    assert wanted == found, "kelp.py: constants differ: %s" % sorted(
+        str(item) for item in set(wanted.items()) ^ set(found.items()))
+
+
 def main(folder, library, cc, cxx, nm, readelf, *options):
     include, tests = folder + "/runtime/c/include", folder + "/tests/c"
     check_header(include, cc, cxx)
@@ -102,7 +195,8 @@ def main(folder, library, cc, cxx, nm, readelf, *options):
     assert "[%s]" % soname in run(readelf, "--dynamic", library), "the SONAME is not " + soname
 
     abi = "".join("%s\n" % functions[name] for name in sorted(functions))
-    abi = soname + "\n" + abi + layout(include, structs, constants, cc)
+    laid_out = layout(include, structs, constants, cc)
+    abi = soname + "\n" + abi + laid_out
     if "--write" in options:
         with open(tests + "/kelp.abi", "w", encoding="utf-8") as file:
             file.write(abi)
@@ -113,6 +207,7 @@ def main(folder, library, cc, cxx, nm, readelf, *options):
     calls = "".join(read(path) for path in glob.glob(tests + "/*_test.cpp"))
     uncalled = [name for name in functions if not re.search(r"\b%s\(" % name, calls)]
     assert not uncalled, "no test calls " + ", ".join(uncalled)
+    check_python(folder, library, text, functions, laid_out)
     print("%d functions, %d structs, %d constants" % (len(functions), len(structs), len(constants)))
 
 

@@ -57,6 +57,7 @@ const Call kAssetCalls[] = {
     {"part", [](const Handles& h) { return kelp_asset_get_part(h.asset, 0, out<kelp_part>()); }},
     {"clip", [](const Handles& h) { return kelp_asset_get_clip(h.asset, 0, out<kelp_clip>()); }},
     {"find_clip", [](const Handles& h) { return kelp_asset_find_clip(h.asset, "sway", &number); }},
+    {"find_part", [](const Handles& h) { return kelp_asset_find_part(h.asset, "stem", &number); }},
     {"wave", [](const Handles& h) { return kelp_asset_get_wave(h.asset, 0, 0, out<kelp_wave>()); }},
     {"track", [](const Handles& h) { return kelp_asset_get_track(h.asset, 0, 0, out<kelp_track>()); }},
     {"socket", [](const Handles& h) { return kelp_asset_get_socket(h.asset, 0, out<kelp_socket>()); }},
@@ -231,20 +232,20 @@ struct Grown {
   std::uint64_t unknown[2];
 };
 
-// call(struct): a function that succeeds with `good`.
+// call(struct): a function that succeeds with `good`. first: the size in the first version of the header.
 template <class T, class F>
-void expectSizes(const char* name, const T& good, const F& call) {
+void expectSizes(const char* name, const T& good, const F& call, std::size_t first = sizeof(T)) {
   Grown<T> grown;
   std::memset(static_cast<void*>(&grown), 0, sizeof grown);  // the padding, too
   grown.known = good;
   EXPECT_KELP(KELP_OK, call(&grown.known)) << name;
-  for (const std::size_t size : {std::size_t{0}, std::size_t{4}, sizeof(T) - 1, std::size_t{0xffffffff}}) {
+  for (const std::size_t size : {std::size_t{0}, std::size_t{4}, first - 1, std::size_t{0xffffffff}}) {
     grown.known = good;
     grown.known.struct_size = static_cast<std::uint32_t>(size);
     EXPECT_KELP(KELP_ERROR_STRUCT_SIZE, call(&grown.known)) << name << " " << size;
     EXPECT_EQ(kelp_result{KELP_ERROR_STRUCT_SIZE}, lastError().result);
   }
-  for (const std::size_t size : {sizeof(T) + 1, sizeof grown}) {
+  for (const std::size_t size : {first, sizeof(T) + 1, sizeof grown}) {
     grown.known = good;
     grown.known.struct_size = static_cast<std::uint32_t>(size);
     EXPECT_KELP(KELP_OK, call(&grown.known)) << name << " " << size;
@@ -277,11 +278,14 @@ TEST_F(CBadInput, SizesOfStructs) {
   expectSizes("config", sized<kelp_renderer_options>(),
               [](kelp_renderer_options* s) { return kelp_renderer_options_defaults(s); });
   expectSizes("view", sized<kelp_view>(), [](kelp_view* s) { return kelp_view_defaults(s); });
-  expectSizes("instance", sized<kelp_instance>(), [](kelp_instance* s) { return kelp_instance_defaults(s); });
+  constexpr std::size_t kFirst = offsetof(kelp_instance, unsound);
+  expectSizes(
+      "instance", sized<kelp_instance>(), [](kelp_instance* s) { return kelp_instance_defaults(s); }, kFirst);
 
   const kelp_instance good = instanceOf(a, good_.pose);
   kelp_box box = {};
-  expectSizes("instance in", good, [&](kelp_instance* s) { return kelp_instance_get_bounds(s, &box); });
+  expectSizes(
+      "instance in", good, [&](kelp_instance* s) { return kelp_instance_get_bounds(s, &box); }, kFirst);
   expectSizes("ray", sized<kelp_raycast_answer>(),
               [&](kelp_raycast_answer* s) { return kelp_raycast(&good, 1, kNumbers, kNumbers, 1, 0, s); });
   expectSizes("distance", sized<kelp_distance_answer>(),
@@ -348,6 +352,7 @@ TEST_F(CBadInput, NullPointersAndBadNumbers) {
            kelp_asset_open_memory(nullptr, 9, nullptr, &asset),
            kelp_asset_pump(a, nullptr),
            kelp_asset_find_clip(a, nullptr, &number),
+           kelp_asset_find_part(a, nullptr, &number),
            kelp_asset_find_socket(a, "tip", -1, nullptr),
            kelp_pose_create(a, nullptr, nullptr),
            kelp_pose_get_knots(p, 0, nullptr, 1, &count),

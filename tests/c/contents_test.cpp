@@ -122,6 +122,11 @@ TEST(CContents, NamesAreFoundAndAnErrorListsThem) {
   EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_find_socket(assets.c, "tip", 1, &found));
   EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_find_clip(assets.c, "dance", &found));
   EXPECT_NE(nullptr, std::strstr(lastError().text, "sway"));
+  const std::string part(assets.cpp->pack().parts()[1].name);
+  ASSERT_KELP(kelp_asset_find_part(assets.c, part.c_str(), &found));
+  EXPECT_EQ(1, found);
+  EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_find_part(assets.c, "nobody", &found));
+  EXPECT_NE(nullptr, std::strstr(lastError().text, part.c_str()));
   EXPECT_EQ(1, found) << "an error changes nothing";
 }
 

@@ -1,269 +1,374 @@
 # SPDX-License-Identifier: MIT
-"""Usage: ctypes_test.py LIBKELP PACK [PICTURE.ppm]
+"""Usage: ctypes_test.py PACK SAMPLE [FOLDER]; KELP_LIBRARY and PYTHONPATH lead to the library and to kelp.py.
 
-Opens a pack by ctypes alone, poses it, asks where it is, and draws it off-screen (EGL without a surface).
-Skips the drawing, and says so, where there is no such EGL. The pack is the one of pack_file.cpp."""
+Opens a pack, poses it, asks where it is, and draws it off-screen, by kelp.py alone: what comes is where the
+geometry of the column of pack_file.cpp says. Skips the drawing, and says so, where there is no EGL without a
+surface."""
 
-import ctypes
 import math
+import os
+import struct
+import subprocess
 import sys
-from ctypes import (CFUNCTYPE, POINTER, Structure, byref, c_char, c_char_p, c_double, c_float, c_int32,
-                    c_size_t, c_uint32, c_uint64, c_void_p, sizeof)
+import tempfile
+import threading
+import unittest
+import zlib
 
-OK, MISUSE, HANDLE, STRUCT_SIZE = 0, 1, 100, 102
+try:
+    import kelp
+    import numpy as np
+except ImportError as absent:
+    print("SKIPPED: %s" % absent)
+    sys.exit(0)
+
+PACK, SAMPLE, OUT = sys.argv[1], sys.argv[2], sys.argv[3] if len(sys.argv) > 3 else None
 SIDE = 128
-GL_COLOR, GL_DEPTH = 0x4000, 0x100
+SKY = (51, 102, 153, 255)
 
 
-class Handle(Structure):
-    _fields_ = [("id", c_uint64)]
+class Column(unittest.TestCase):
+    def setUp(self):
+        self.asset = kelp.Asset(PACK, distance_level=0)
+        self.addCleanup(self.asset.close)
+        self.asset.load_all()
+        self.pose = kelp.Pose(self.asset)
+        self.rest = kelp.Instance(self.asset)
+        self.bent = kelp.Instance(self.asset, self.pose)
+
+    def bend(self):
+        """A quarter of the clip's period: the tip is at its farthest, 0.25 heights to +x."""
+        self.pose.add_clip("sway", 0.5)
+
+    def near(self, got, expected, tolerance=1e-6):
+        np.testing.assert_allclose(got, expected, rtol=0, atol=tolerance)
 
 
-class Error(Structure):
-    _fields_ = [("struct_size", c_uint32), ("result", c_int32), ("offset", c_uint64), ("unit", c_uint32),
-                ("text", c_char * 492)]
+class Contents(Column):
+    def test_pack(self):
+        self.assertGreaterEqual(kelp.version(), 100)
+        info = self.asset.info
+        self.assertEqual((1, 1, 1, os.path.getsize(PACK)), (info.parts, info.clips, info.sockets,
+                                                            info.file_size))
+        self.assertTrue(info.has_distances and info.loads_distances and info.memory > 0)
+        self.near(info.palette["base_color"][0], (0.9, 0.3, 0.05, 1))
+        [part] = self.asset.parts
+        self.assertEqual((kelp.PartKind.SOLID, kelp.Bend.SHEAR, kelp.NONE),
+                         (part.kind, part.bend, part.parent))
+        self.assertEqual([16, 64, 16], part.size.tolist())
+        self.near(part.to_object @ (16, 64, 16, 1), (0.125, 1, 0.125, 1))
+        self.near(part.knots["position"], [(0, 0, 0), (0, 1, 0)])
+        [clip] = self.asset.clips
+        self.assertEqual(("sway", 2, []), (clip.name, clip.duration, clip.tracks))
+        self.assertEqual((0, 1, kelp.Target.KNOT_OFFSET, 2), clip.waves[0][:3] + (clip.waves[0].period,))
+        self.near(clip.waves[0].amplitude, (0.25, 0, 0))
+        self.assertEqual(["top"], [socket.name for socket in self.asset.sockets])
+        self.assertEqual((0, 0, 0), (self.asset.find_socket("top"), self.asset.find_part(part.name),
+                                     self.asset.find_clip("sway")))
+
+    def test_levels(self):
+        level = self.asset.level(0, 0)
+        self.assertEqual(([16, 64, 16], (2, 8, 2)), (level.size.tolist(), level.cells.shape))
+        distances = self.asset.distance_level(0, 0)
+        self.assertEqual((distances.size.tolist(), distances.pages),
+                         ([16, 64, 16], len(distances.first_slots)))
+        self.assertEqual(512, distances.codes.shape[1])
+        self.assertEqual(0, self.asset.resident_level(0))
+        self.assertGreater(self.asset.pool_bytes(kelp.Feature.DISTANCES), self.asset.pool_bytes())
+
+    def test_tracks(self):
+        """The file of tests/formats/golden that SPEC.md's second reader checks, too."""
+        golden = os.path.join(os.path.dirname(__file__), "../formats/golden/distance.kelp")
+        with kelp.Asset(golden) as asset:
+            turn = asset.clips[0].tracks[0]
+            self.assertEqual((1, kelp.Target.PART_ROTATION, kelp.Interpolation.LINEAR),
+                             (turn.part, turn.target, turn.interpolation))
+            self.near(turn.keys["time"], (0, 1.5))
+            self.near(turn.keys["value"], [(0, 0, 0, 1), (0, 0.6, 0, 0.8)])
+            self.assertEqual(["tip", "Blüte"], [socket.name for socket in asset.sockets])
+            self.near(asset.sockets[0].offset, (0.125, -0.0625))
+
+    def test_memory_and_source(self):
+        with open(PACK, "rb") as file:
+            data = file.read()
+
+        class Slow:
+            size, asked = len(data), set()
+
+            def read(self, offset, count):
+                if offset in self.asked or not offset:
+                    return data[offset:offset + count]
+                self.asked.add(offset)
+                return None
+
+        for source in (data, bytearray(data), Slow()):
+            for _ in range(100):
+                try:
+                    asset = kelp.Asset(source)
+                    break
+                except kelp.Error as error:
+                    self.assertEqual(kelp.Result.NOT_YET, error.code)
+            del source
+            for _ in range(100):
+                while asset.pump():
+                    pass
+                try:
+                    asset.load_all()
+                    break
+                except kelp.Error as error:
+                    self.assertEqual(kelp.Result.NOT_YET, error.code)
+            self.assertEqual(0, asset.resident_level(0))
+            self.near(asset.info.palette["base_color"][0], (0.9, 0.3, 0.05, 1))
 
 
-class Text(Structure):
-    _fields_ = [("data", c_void_p), ("size", c_size_t)]
+class Poses(Column):
+    def test_clip(self):
+        self.bend()
+        self.near(self.pose.knots(0)["position"], [(0, 0, 0), (0.25, 1, 0)])
+        self.assertTrue(self.pose.fits(self.asset))
+        self.assertEqual(1, self.pose.parts)
+        self.pose.reset()
+        self.near(self.pose.knots(0)["position"], [(0, 0, 0), (0, 1, 0)])
 
-    def __str__(self):
-        return ctypes.string_at(self.data, self.size).decode()
+    def test_knots_and_motions(self):
+        self.pose.move(0, 1, (0.25, 0, 0))
+        self.pose.set_tangent(0, 1, (0, 2, 0))
+        knots = self.pose.knots(0)
+        self.near(knots["position"][1], (0.25, 1, 0))
+        self.near(knots["tangent"][1], (0, 2, 0))
+        knots["position"][1] = (-0.25, 1, 0)
+        self.pose.set_knots(0, knots)
+        self.near(self.bent.point_to_world(0, (0, 1, 0)), (-0.25, 1, 0))
+        motion = self.pose.motion(0)
+        self.near(motion["rotation"], (0, 0, 0, 1))
+        motion["translation"] = (1, 2, 3)
+        self.pose.set_motion(0, motion)
+        self.near(self.bent.point_to_world(0, (0, 1, 0)), (0.75, 3, 3))
+        self.pose.check()
+        self.pose.move(0, 1, (0, -3, 0))
+        with self.assertRaises(kelp.Error) as caught:
+            self.pose.check()
+        self.assertEqual((kelp.Result.NOT_MONOTONE, 0, kelp.Unit.PART),
+                         (caught.exception.code, caught.exception.offset, caught.exception.unit))
+        self.pose.clamp()
+        self.pose.check()
 
+    def test_blend(self):
+        self.bend()
+        other = kelp.Pose(self.asset)
+        other.blend(self.pose, 0.5)
+        self.near(other.knots(0)["position"][1], (0.125, 1, 0))
+        other.blend(self.pose, 1, part_weights=[0])
+        self.near(other.knots(0)["position"][1], (0.125, 1, 0))
+        other.assign(self.pose)
+        self.near(other.knots(0)["position"][1], (0.25, 1, 0))
 
-class Clip(Structure):
-    _fields_ = [("struct_size", c_uint32), ("duration", c_float), ("name", Text), ("waves", c_uint32),
-                ("tracks", c_uint32)]
-
-
-class Instance(Structure):
-    _fields_ = [("struct_size", c_uint32), ("palette_count", c_uint32), ("palette", c_void_p),
-                ("asset", Handle), ("pose", Handle), ("to_world", c_float * 16), ("tint", c_float * 4),
-                ("previous_pose", Handle), ("previous_to_world", c_void_p)]
-
-
-class Box(Structure):
-    _fields_ = [("min", c_float * 3), ("max", c_float * 3)]
-
-
-class RaycastAnswer(Structure):
-    _fields_ = [("struct_size", c_uint32), ("found", c_uint32), ("t", c_float), ("position", c_float * 3),
-                ("normal", c_float * 3), ("rest", c_float * 3), ("instance", c_int32), ("part", c_int32),
-                ("level", c_int32), ("voxel", c_int32 * 3), ("material", c_uint32)]
-
-
-GetProcAddress = CFUNCTYPE(c_void_p, c_void_p, c_char_p)
-Log = CFUNCTYPE(None, c_void_p, c_char_p)
-
-
-class Config(Structure):
-    _fields_ = [("struct_size", c_uint32), ("state", c_int32), ("get_proc_address", GetProcAddress),
-                ("log", Log), ("user", c_void_p), ("gpu_budget", c_uint64), ("surface_glsl", c_char_p),
-                ("allocator", c_void_p), ("features", c_uint32)]
-
-
-class View(Structure):
-    _fields_ = [("struct_size", c_uint32), ("viewport", c_int32 * 2), ("world_to_eye", c_float * 16),
-                ("eye_to_clip", c_float * 16), ("clip_range", c_int32), ("reversed_depth", c_uint32),
-                ("output", c_int32), ("previous_world_to_clip", c_void_p), ("sun_direction", c_float * 3),
-                ("sun_color", c_float * 3), ("sky_color", c_float * 3), ("ground_color", c_float * 3),
-                ("shading", c_int32), ("finest_level", c_int32), ("pixels_per_voxel", c_float),
-                ("smallest_pixels", c_float), ("self_shadow", c_uint32), ("occlusion_rays", c_int32),
-                ("occlusion_reach", c_float), ("soft_shadows", c_float), ("occlusion", c_uint32),
-                ("depth_batches", c_int32), ("scene_depth", c_uint32), ("bind", c_void_p),
-                ("bind_user", c_void_p)]
-
-
-class Stats(Structure):
-    _fields_ = [("struct_size", c_uint32), ("instances", c_uint32), ("culled", c_uint32),
-                ("left_out", c_uint32), ("draws", c_uint32), ("pending", c_uint32),
-                ("bytes_uploaded", c_uint64), ("gpu_bytes", c_uint64), ("first_left_out_result", c_int32),
-                ("first_left_out", c_uint32), ("first_left_out_text", c_char_p)]
-
-
-def sized(kind):
-    return kind(struct_size=sizeof(kind))
-
-
-class Kelp:
-    """The library. A call returns the result, which must be `expected`."""
-
-    def __init__(self, path):
-        self.library = ctypes.CDLL(path)
-        self.library.kelp_result_text.restype = c_char_p
-
-    def error(self):
-        error = sized(Error)
-        assert self.library.kelp_last_error(byref(error)) == OK
-        return error
-
-    def __call__(self, function, *arguments, expected=OK):
-        result = getattr(self.library, "kelp_" + function)(*arguments)
-        text = self.library.kelp_result_text(result).decode()
-        assert result == expected, "kelp_%s: %s: %s" % (function, text, self.error().text.decode())
+    def test_spring(self):
+        """Undamped, the free end swings as a sine: velocity / (2 pi f) after a quarter of a period."""
+        spring = kelp.Spring(self.asset, frequency=1, damping=0, reach=1, rooted=True)
+        self.assertEqual(1, spring.parts)
+        spring.push(0, (0.1, 0, 0))
+        spring.step(0.25)
+        self.near(spring.swings(0)["offset"][:, 0], (0, 0.1 / (2 * math.pi)))
+        spring.add_to(self.pose)
+        self.near(self.pose.knots(0)["position"][1], (0.1 / (2 * math.pi), 1, 0))
+        for wind in (lambda: spring.set_wind(0, (0, 0, 1)),
+                     lambda: spring.set_wind_in_world(self.rest, 0, (0, 0, 1)),
+                     lambda: spring.push_in_world(self.rest, 0, (0, 0, 0.1)),
+                     lambda: spring.push_away(self.rest, (0, 0.9, -0.2), 0.3)):
+            spring.reset()
+            wind()
+            spring.step(0.1)
+            self.assertGreater(spring.swings(0)["offset"][1, 2], 1e-4)
 
 
-def floats(*values):
-    return (c_float * len(values))(*values)
+class Queries(Column):
+    def test_places(self):
+        self.bend()
+        self.near(self.bent.bounds(), [(-0.125, 0, -0.125), (0.375, 1, 0.125)], 0.02)
+        self.near(self.bent.point_to_world(0, (0, 1, 0)), (0.25, 1, 0))
+        self.near(self.bent.point_to_rest(0, (0.25, 1, 0)), (0, 1, 0), 1e-5)
+        self.assertIsNone(self.bent.point_to_rest(0, (0, 5, 0)))
+        self.near(self.bent.frame_at(0, (0, 1, 0))[:3, 3], (0.25, 1, 0))
+        self.near(self.bent.socket_to_world("top")[:3, 3], (0.25, 1, 0))
+        self.bent.to_world = [(2, 0, 0, 5), (0, 2, 0, 0), (0, 0, 2, 0), (0, 0, 0, 1)]
+        self.near(self.bent.point_to_world(0, (0, 1, 0)), (5.5, 2, 0))
+        self.near(self.bent.part_to_world(0) @ (16, 64, 16, 1), (5.25, 2, 0.25, 1))
+        self.near(self.bent.parts_to_world(), [self.bent.part_to_world(0)])
+
+    def test_raycast(self):
+        """A ray along -z meets the column's front, which is at z = 1/8, below its tip and not beside it."""
+        self.bend()
+        hit = kelp.raycast([self.bent], (0.24, 0.96, 2), (0, 0, -1))
+        self.near((hit.t, *hit.position), (1.875, 0.24, 0.96, 0.125), 0.002)
+        self.assertEqual((0, 0, 0), (hit.instance, hit.part, hit.level))
+        self.assertTrue(0 <= hit.voxel[0] < 16 and 59 <= hit.voxel[1] < 64 and hit.voxel[2] == 15, hit.voxel)
+        self.assertIsNone(kelp.raycast([self.bent], (-0.1, 0.96, 2), (0, 0, -1)))
+        self.assertIsNone(kelp.raycast([self.bent], (0.24, 0.96, 2), (0, 0, -1), t_max=1))
+        self.assertIsNone(kelp.raycast([], (0.24, 0.96, 2), (0, 0, -1)))
+
+    def test_distances(self):
+        voxel, point = 1 / 64, (1.125, 0.5, 0)
+        for given in (None, [self.rest.bounds()]):
+            found = kelp.distance(self.rest, point, given)
+            self.assertTrue(1 - 2 * voxel < found.bound <= 1 + 1e-6, found)
+            self.near(found.away, (1, 0, 0), 0.1)
+            closest = kelp.closest_point(self.rest, point, boxes=given)
+            self.near((closest.distance, closest.point[0]), (1, 0.125), voxel)
+            cast = kelp.sphere_cast([self.rest], (2, 0.5, 0), (-2, 0.5, 0), 0.1, given)
+            self.assertTrue(cast.hit)
+            self.near(cast.center, (0.225, 0.5, 0), voxel)
+        self.assertEqual(kelp.NONE, kelp.closest_point(self.rest, point, reach=0.5).part)
+        for x, expected in ((0.15, 0), (0.3, None)):
+            self.assertEqual(expected, kelp.overlaps_sphere(self.rest, (x, 0.5, 0), 0.1))
+            self.assertEqual(expected, kelp.overlaps_capsule(self.rest, (x, 0.4, 0), (x, 0.6, 0), 0.1))
+            self.assertEqual(expected, kelp.overlaps_box(self.rest, (x, 0.5, 0), (0.1, 0.1, 0.1)))
 
 
-def open_and_pose(kelp, path):
-    assert kelp.library.kelp_version() >= 100
-    asset, pose = Handle(), Handle()
-    kelp("asset_open_file", path.encode(), None, byref(asset))
-    kelp("asset_load_all", asset)
-    clip, index = sized(Clip), c_int32(-1)
-    kelp("asset_find_clip", asset, b"sway", byref(index))
-    kelp("asset_get_clip", asset, index, byref(clip))
-    assert str(clip.name) == "sway" and clip.duration == 2 and clip.waves == 1, str(clip.name)
-    kelp("asset_find_clip", asset, b"no such clip", byref(index), expected=MISUSE)
-    assert b"sway" in kelp.error().text, kelp.error().text
-    kelp("pose_create", asset, None, byref(pose))
-    # A quarter of the clip's period: the tip is at its farthest, 0.25 heights to +x (pack_file.cpp).
-    kelp("pose_add_clip", pose, asset, index, c_double(0.5), c_float(1), 0)
-    return asset, pose
+def place(x, y):
+    """The pixel of a point in the plane z = 1/8, which is 2.375 m away."""
+    scale = 0.5 / math.tan(0.3) / 2.375
+    return int((0.5 - scale * (y - 0.5)) * SIDE), int((0.5 + scale * x) * SIDE)
 
 
-def look_and_ask(kelp, asset, pose):
-    instance = sized(Instance)
-    kelp("instance_defaults", byref(instance))
-    instance.asset, instance.pose = asset, pose
-    box = Box()
-    kelp("instance_get_bounds", byref(instance), byref(box))
-    for number, expected in ((box.max[0], 0.375), (box.min[1], 0), (box.max[1], 1), (box.max[2], 0.125)):
-        assert abs(number - expected) < 0.02, (list(box.min), list(box.max))
-    tip = floats(0, 0, 0)
-    kelp("instance_to_world", byref(instance), 0, floats(0, 1, 0), tip)
-    assert abs(tip[0] - 0.25) < 1e-6 and abs(tip[1] - 1) < 1e-6 and abs(tip[2]) < 1e-6, list(tip)
-    # A ray along -z meets the column's front, which is at z = 1/8, a little below its tip and not beside it.
-    answer = sized(RaycastAnswer)
-    for x, found in ((0.24, 1), (-0.1, 0)):
-        kelp("raycast", byref(instance), 1, floats(x, 0.96, 2), floats(0, 0, -1), c_float(9), 0,
-             byref(answer))
-        assert answer.found == found, (x, answer.found)
-        if found:
-            assert abs(answer.t - 1.875) < 0.002, answer.t
-    return instance
+def read_png(path):
+    """Of 8 bits and four channels, not filtered."""
+    with open(path, "rb") as file:
+        data = file.read()
+    chunks, at = {}, 8
+    while at < len(data):
+        size, name = struct.unpack(">I4s", data[at:at + 8])
+        chunks[name] = data[at + 8:at + 8 + size]
+        assert struct.unpack(">I", data[at + 8 + size:at + 12 + size])[0] == \
+            zlib.crc32(data[at + 4:at + 8 + size])
+        at += 12 + size
+    width, height = struct.unpack(">II", chunks[b"IHDR"][:8])
+    rows = np.frombuffer(zlib.decompress(chunks[b"IDAT"]), np.uint8).reshape(height, 1 + 4 * width)
+    return rows[:, 1:].reshape(height, width, 4)
 
 
-class Egl:
-    """A context without a surface, and a framebuffer of SIDE x SIDE; None where there is no such EGL."""
+class Pictures(Column):
+    def setUp(self):
+        super().setUp()
+        try:
+            self.canvas = kelp.Canvas(SIDE, SIDE)
+        except kelp.Error as error:
+            print("SKIPPED: the drawing: %s" % error)
+            self.skipTest("no EGL")
+        self.addCleanup(self.canvas.close)
+        self.view = kelp.View.look_at((SIDE, SIDE), (0, 0.5, 2.5), (0, 0.5, 0), field_of_view=0.6)
 
-    def __init__(self):
-        egl = ctypes.CDLL("libEGL.so.1")
-        for name in ("eglGetPlatformDisplay", "eglCreateContext", "eglGetProcAddress"):
-            getattr(egl, name).restype = c_void_p
-        self.egl = egl
-        self.display = c_void_p(egl.eglGetPlatformDisplay(0x31DD, None, None))
-        if not self.display or not egl.eglInitialize(self.display, None, None):
-            raise OSError("no display without a surface")
-        egl.eglBindAPI(0x30A2)  # OpenGL
-        wanted = (c_int32 * 7)(0x3098, 3, 0x30FB, 3, 0x30FD, 1, 0x3038)  # 3.3, core
-        self.context = c_void_p(egl.eglCreateContext(self.display, None, None, wanted))
-        if not self.context or not egl.eglMakeCurrent(self.display, None, None, self.context):
-            raise OSError("no context of OpenGL 3.3")
+    def check(self, picture):
+        """The column's foot is in the middle, its tip to the right of it; it is orange before blue."""
+        self.assertEqual(((SIDE, SIDE, 4), np.uint8), (picture.shape, picture.dtype))
+        for x, y in ((0, 0.05), (0.125, 0.5), (0.24, 0.95)):
+            red, green, blue, _ = picture[place(x, y)].tolist()
+            self.assertTrue(red > 80 and red > 1.4 * green and green > blue, (x, y, red, green, blue))
+        for x, y in ((-0.6, 0.9), (-0.1, 0.95)):
+            self.assertEqual(SKY, tuple(picture[place(x, y)].tolist()))
 
-    def address(self, name):
-        return self.egl.eglGetProcAddress(c_char_p(name))
+    def test_draw(self):
+        self.bend()
+        said = []
+        renderer = kelp.Renderer(self.canvas, gpu_budget=1 << 20, log=said.append)
+        renderer.add(self.asset)
+        sent = renderer.upload(1 << 20)
+        self.assertTrue(sent.pending == 0 and sent.bytes_uploaded > 0)
+        self.canvas.clear((0.2, 0.4, 0.6, 1))
+        drawn = renderer.draw(self.view, self.bent)
+        self.assertEqual((1, 0, 0, 1), (drawn.instances, drawn.left_out, drawn.waiting, drawn.draws))
+        self.check(self.canvas.pixels())
+        # The near plane is at a hundredth of the way to the target, and the far plane at infinity.
+        depth = self.canvas.depth()
+        self.near(depth[place(0.2, 0.9)], 1 - 0.025 / 2.375, 1e-4)
+        self.assertEqual(1, depth[place(-0.6, 0.9)])
+        self.assertEqual([], said)
+        # Its tip turned upside down, the column is left out, or drawn as clamp() makes it.
+        self.pose.move(0, 1, (0, -3, 0))
+        self.assertEqual(1, renderer.draw(self.view, self.bent).left_out)
+        self.bent.unsound = kelp.Unsound.CLAMP
+        drawn = renderer.draw(self.view, self.bent)
+        self.assertEqual((0, 1), (drawn.left_out, drawn.clamped))
+        renderer.remove(self.asset)
+        with self.assertRaises(kelp.Error):
+            renderer.draw(self.view, self.bent)
 
-    def call(self, name, *arguments):
-        return CFUNCTYPE(c_uint32, *[type(one) for one in arguments])(self.address(name.encode()))(*arguments)
+    def test_picture(self):
+        """Nothing was loaded before: picture() does."""
+        with kelp.Asset(PACK) as asset:
+            renderer = kelp.Renderer(self.canvas)
+            renderer.add(asset)
+            pose = kelp.Pose(asset)
+            pose.add_clip(0, 0.5)
+            picture = renderer.picture(self.view, kelp.Instance(asset, pose), (0.2, 0.4, 0.6, 1))
+            self.check(picture)
+            blue = kelp.Instance(asset, pose, tint=(0.05, 0.3, 9, 1))
+            red, _, high, _ = renderer.picture(self.view, blue)[place(0, 0.05)].tolist()
+            self.assertLess(red, high)
+            palette = asset.info.palette
+            palette["base_color"] = (0.05, 0.1, 0.9, 1)
+            red, _, high, _ = renderer.picture(self.view, kelp.Instance(asset, pose, palette=palette))[
+                place(0, 0.05)].tolist()
+            self.assertLess(red, high)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(OUT or folder, "column.png")
+            kelp.write_png(path, picture)
+            np.testing.assert_array_equal(picture, read_png(path))
 
-    def make_framebuffer(self):
-        names = (c_uint32 * 3)()
-        u32 = c_uint32
-        self.call("glGenFramebuffers", c_int32(1), byref_pointer(names, 0))
-        self.call("glBindFramebuffer", u32(0x8D40), u32(names[0]))
-        for i, (storage, attachment) in enumerate(((0x8058, 0x8CE0), (0x8CAC, 0x8D00)), 1):
-            self.call("glGenRenderbuffers", c_int32(1), byref_pointer(names, i))
-            self.call("glBindRenderbuffer", u32(0x8D41), u32(names[i]))
-            self.call("glRenderbufferStorage", u32(0x8D41), u32(storage), c_int32(SIDE), c_int32(SIDE))
-            self.call("glFramebufferRenderbuffer", u32(0x8D40), u32(attachment), u32(0x8D41), u32(names[i]))
-        self.call("glViewport", c_int32(0), c_int32(0), c_int32(SIDE), c_int32(SIDE))
-        self.call("glClearColor", c_float(0.2), c_float(0.4), c_float(0.6), c_float(1))
-        self.call("glClear", u32(GL_COLOR | GL_DEPTH))
+    def test_sample(self):
+        with open(SAMPLE, encoding="utf-8") as file:
+            lines = file.read().split('"""')[-1].strip().split("\n")
+        self.assertLessEqual(len(lines), 20)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(OUT or folder, "sample.png")
+            done = subprocess.run([sys.executable, "-B", SAMPLE, PACK, path], capture_output=True, text=True,
+                                  check=True)
+            self.assertIn("Hit(", done.stdout)
+            self.assertEqual((480, 640, 4), read_png(path).shape)
 
-    def pixels(self):
-        rows = (ctypes.c_uint8 * (3 * SIDE * SIDE))()
-        self.call("glReadPixels", c_int32(0), c_int32(0), c_int32(SIDE), c_int32(SIDE), c_uint32(0x1907),
-                  c_uint32(0x1401), ctypes.cast(rows, c_void_p))
-        return bytes(rows)
+    def test_settings(self):
+        drawn = []
+        self.view.bind = drawn.append
+        self.view.shading = kelp.Shading.FACES
+        self.view.sun_color = (0, 0, 0)
+        self.view.previous_world_to_clip = np.eye(4)
+        renderer = kelp.Renderer(self.canvas, features=kelp.Feature.SECONDARY_RAYS, state=kelp.State.RESTORE)
+        renderer.add(self.asset)
+        dark = renderer.picture(self.view, self.rest)[place(0, 0.5)]
+        self.assertTrue(drawn and all(program > 0 for program in drawn))
+        self.view.sun_color = (9, 9, 9)
+        self.assertGreater(renderer.picture(self.view, self.rest)[place(0, 0.5)][0], dark[0])
+        row, column = place(0, 0.5)
+        self.assertEqual(0, kelp.level_at(self.view, self.rest, 0, column, SIDE - 1 - row))
 
-    def close(self):
-        self.egl.eglMakeCurrent(self.display, None, None, None)
-        self.egl.eglDestroyContext(self.display, self.context)
+    def test_trace(self):
+        renderer = kelp.Renderer(self.canvas._address)  # as a host with a context of its own
+        self.assertIn("kelpTrace", "".join(renderer.trace_glsl()))
+        renderer.add(self.asset)
+        with self.assertRaises(kelp.Error) as caught:
+            renderer.bind_trace(0, self.view, self.rest, 1)
+        self.assertEqual(kelp.Result.MISUSE, caught.exception.code)
+        renderer.abandon()
+        renderer.close()
 
+    def test_other_thread(self):
+        renderer = kelp.Renderer(self.canvas)
+        renderer.add(self.asset)
+        self.canvas.release()
+        pictures = []
 
-def byref_pointer(array, index):
-    return ctypes.cast(ctypes.addressof(array) + 4 * index, POINTER(c_uint32))
+        def draw():
+            renderer.use_here()
+            pictures.append(renderer.picture(self.view, self.rest, (0.2, 0.4, 0.6, 1)))
+            self.canvas.release()
 
-
-def draw(kelp, egl, asset, instance):
-    egl.make_framebuffer()
-    get_proc_address = GetProcAddress(lambda _, name: egl.address(name))
-    config, renderer, stats = sized(Config), Handle(), sized(Stats)
-    kelp("renderer_options_defaults", byref(config))
-    config.get_proc_address = get_proc_address
-    config.gpu_budget = 1 << 20
-    kelp("renderer_create", byref(config), byref(renderer))
-    kelp("renderer_add", renderer, asset)
-    kelp("renderer_upload", renderer, c_uint64(1 << 20), byref(stats))
-    assert stats.pending == 0 and stats.bytes_uploaded > 0
-    view, scale, near, far = sized(View), 1 / math.tan(0.3), 0.5, 10.0
-    kelp("view_defaults", byref(view))
-    view.viewport[:] = (SIDE, SIDE)
-    view.world_to_eye[:] = (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -0.5, -2.5, 1)
-    view.eye_to_clip[:] = (scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, (near + far) / (near - far), -1,
-                           0, 0, 2 * near * far / (near - far), 0)
-    view.output = 1  # nothing encodes this picture
-    kelp("renderer_draw", renderer, byref(view), byref(instance), 1, 0, byref(stats))
-    assert stats.instances == 1 and stats.left_out == 0 and stats.draws == 1
-    picture = egl.pixels()
-    view.struct_size = 8
-    kelp("renderer_draw", renderer, byref(view), byref(instance), 1, 0, None, expected=STRUCT_SIZE)
-    kelp("renderer_destroy", renderer)
-    kelp("renderer_destroy", renderer, expected=HANDLE)
-    return picture
-
-
-def check_picture(picture):
-    """The column's foot is in the middle, its tip to the right of it; it is orange before blue."""
-    def at(x, y):
-        """The pixel of a point in the plane z = 1/8, which is 2.375 m away."""
-        column = int((0.5 + 0.5 * x / math.tan(0.3) / 2.375) * SIDE)
-        row = int((0.5 + 0.5 * (y - 0.5) / math.tan(0.3) / 2.375) * SIDE)
-        place = 3 * (SIDE * row + column)
-        return tuple(picture[place:place + 3])
-
-    background = at(-0.6, 0.9)
-    assert background == (51, 102, 153), background
-    for x, y in ((0, 0.05), (0.125, 0.5), (0.24, 0.95)):
-        red, green, blue = at(x, y)
-        assert red > 80 and red > 1.4 * green > 1.4 * blue, (x, y, red, green, blue)
-    assert at(-0.1, 0.95) == background, "the column stands straight"
-
-
-def main(library, pack, picture_path=None):
-    kelp = Kelp(library)
-    asset, pose = open_and_pose(kelp, pack)
-    instance = look_and_ask(kelp, asset, pose)
-    try:
-        egl = Egl()
-    except OSError as absent:
-        print("SKIPPED: the drawing: %s (Debian: libegl1 libegl-mesa0 libgl1-mesa-dri)" % absent)
-    else:
-        picture = draw(kelp, egl, asset, instance)
-        egl.close()
-        if picture_path:
-            rows = [picture[3 * SIDE * y:3 * SIDE * (y + 1)] for y in reversed(range(SIDE))]
-            with open(picture_path, "wb") as file:
-                file.write(b"P6\n%d %d\n255\n" % (SIDE, SIDE) + b"".join(rows))
-        check_picture(picture)
-    kelp("pose_destroy", pose)
-    kelp("asset_destroy", asset)
-    kelp("asset_load_all", asset, expected=HANDLE)
-    kelp("pose_reset", pose, expected=HANDLE)
+        thread = threading.Thread(target=draw)
+        thread.start()
+        thread.join()
+        self.assertEqual(SKY, tuple(pictures[0][place(-0.6, 0.9)].tolist()))
+        self.assertNotEqual(SKY, tuple(pictures[0][place(0, 0.9)].tolist()))
+        renderer.use_here()
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    unittest.main(argv=sys.argv[:1])

@@ -349,6 +349,7 @@ TEST_P(CDraw, MistakesAreErrors) {
   const BothInstances instances(assets);
   const kelp_renderer renderer = make(KELP_FEATURE_GRADIENT_ONLY);
   ASSERT_KELP(kelp_renderer_add(renderer, assets.c));
+  ASSERT_KELP(kelp_renderer_upload(renderer, 1 << 20, nullptr));
   kelp_view view = viewOf(look());
   const auto draw = [&](kelp_pass pass = KELP_PASS_COLOR) {
     return kelp_renderer_draw(renderer, &view, instances.c.data(), instances.kCount, pass, nullptr);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sources, streaming, and the host's memory.
 #include <atomic>
+#include <cerrno>
 #include <fstream>
 #include <iterator>
 
@@ -136,6 +137,8 @@ TEST(CLoading, LimitsAndDamageAreErrors) {
   ASSERT_KELP(kelp_asset_destroy(asset));
 
   EXPECT_KELP(KELP_ERROR_IO, kelp_asset_open_file("/absent.kelp", nullptr, &asset));
+  EXPECT_NE(nullptr, std::strstr(lastError().text, "/absent.kelp")) << lastError().text;
+  EXPECT_NE(nullptr, std::strstr(lastError().text, std::strerror(ENOENT))) << lastError().text;
   std::vector<char> bytes = bytesOfFile(packFile("distance"));
   EXPECT_KELP(KELP_ERROR_TRUNCATED, kelp_asset_open_memory(bytes.data(), bytes.size() - 1, nullptr, &asset));
   bytes[0] = 'K';

@@ -11,6 +11,7 @@
 #endif
 
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -164,9 +165,15 @@ TEST(FileSource, FailsWhenTheFileShrinks) {
 
 TEST(FileSource, RefusesWhatIsNoRegularFile) {
   const Result<FileSource> missing = FileSource::open("/nonexistent/kelp/pack.kelp");
-  ASSERT_FALSE(missing);
   EXPECT_EQ(errno, ENOENT);
+  ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kIo);
+  const std::string text = missing.error().detail;
+  EXPECT_NE(text.find("/nonexistent/kelp/pack.kelp: "), std::string::npos) << text;
+  EXPECT_TRUE(text.ends_with(std::strerror(ENOENT))) << text;
+  const std::string deep = FileSource::open((std::string(2000, 'x') + "/pack.kelp").c_str()).error().detail;
+  EXPECT_NE(deep.find("xx/pack.kelp: "), std::string::npos) << "of a long path the end is named: " << deep;
+  EXPECT_TRUE(deep.ends_with(std::strerror(ENAMETOOLONG))) << deep;
   const test::Scratch scratch;  // removing it may touch errno
   const Result<FileSource> folder = FileSource::open(scratch.folder().string().c_str());
   ASSERT_FALSE(folder);

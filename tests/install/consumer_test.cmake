@@ -53,6 +53,11 @@ endif()
 if(PYTHON)
   step("checking the headers" ${PYTHON} -B ${TEST_DIR}/check_installed.py ${WORK_DIR}/prefix ${CXX_COMPILER})
 endif()
+if(NUMPY_PYTHON AND NOT CXX_FLAGS MATCHES "-fsanitize")
+  step("kelp.py" ${CMAKE_COMMAND} -E env PYTHONPATH=${WORK_DIR}/prefix/lib/python3/dist-packages
+    ${NUMPY_PYTHON} -B ${KELP_SOURCE_DIR}/samples/python/picture.py ${WORK_DIR}/cube.kelp
+    ${WORK_DIR}/cube.png)
+endif()
 if(HAS_VIEW)
   step("kelp-view" ${WORK_DIR}/prefix/bin/kelp-view --version)
 endif()

@@ -6,7 +6,7 @@ set -euxo pipefail
 export DEBIAN_FRONTEND=noninteractive LC_ALL=C
 cd /kelp
 apt-get update -qq
-apt-get purge -y -qq kelp-tools libkelp-dev libkelp0 2>/dev/null || true
+apt-get purge -y -qq kelp-tools libkelp-dev python3-kelp libkelp0 2>/dev/null || true
 
 # The tools, on a machine that has no compiler and nothing of the baker's.
 apt-get install -y -qq --no-install-recommends ./kelp-tools_*.deb libgl1-mesa-dri
@@ -68,7 +68,12 @@ cmake --build build-game
 build-game/game build-game/crate.kelp
 ninja -C build-game | grep 'no work to do'
 
-apt-get purge -y -qq kelp-tools libkelp-dev libkelp0
+# Python.
+apt-get install -y -qq --no-install-recommends ./python3-kelp_*.deb libegl1
+python3 picture.py crate.kelp python.png
+test -s python.png
+
+apt-get purge -y -qq kelp-tools libkelp-dev python3-kelp libkelp0
 left=$(find /usr -path '*kelp*')
 [ -z "$left" ] || { echo "left behind: $left" >&2; exit 1; }
 echo "the packages install, work and leave nothing behind"

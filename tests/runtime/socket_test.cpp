@@ -87,6 +87,13 @@ TEST(Sockets, AreFoundByName) {
     EXPECT_EQ(absent.error().code, ErrorCode::kMisuse);
     EXPECT_STREQ(absent.error().detail, "there is no socket of that name; there are: tip, side");
   }
+  const std::span<const Part> parts = asset.pack().parts();
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    EXPECT_EQ(findPart(asset, parts[i].name).value(), static_cast<int>(i));
+  const Result<int> root = findPart(asset, "root");
+  ASSERT_FALSE(root);
+  EXPECT_EQ(root.error().code, ErrorCode::kMisuse);
+  EXPECT_NE(std::string_view(root.error().detail).find(parts[1].name), std::string_view::npos);
   EXPECT_STREQ(findClip(asset, "sway").error().detail, "there is no clip of that name; the pack has none");
   EXPECT_EQ(socketToWorld(scene.instance, 2).error().code, ErrorCode::kMisuse);
   EXPECT_EQ(socketToWorld(scene.instance, -1).error().code, ErrorCode::kMisuse);

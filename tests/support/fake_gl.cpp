@@ -116,6 +116,7 @@ void KELP_GL_CALL attachment(Enum, Enum, Enum what, std::int32_t* out) {
 Name KELP_GL_CALL create(Enum) { return 1; }
 Name KELP_GL_CALL createProgram() { return 1; }
 std::uint8_t KELP_GL_CALL isProgram(Name) { return 1; }
+Enum KELP_GL_CALL framebufferStatus(Enum) { return constant::kFramebufferComplete; }
 
 std::unordered_map<std::string_view, void*> allFunctions() {
   std::unordered_map<std::string_view, void*> all{
@@ -134,6 +135,7 @@ std::unordered_map<std::string_view, void*> allFunctions() {
       {"glTexSubImage2D", reinterpret_cast<void*>(&texSubImage2d)},
       {"glTexSubImage3D", reinterpret_cast<void*>(&texSubImage3d)},
       {"glGetFramebufferAttachmentParameteriv", reinterpret_cast<void*>(&attachment)},
+      {"glCheckFramebufferStatus", reinterpret_cast<void*>(&framebufferStatus)},
       {"glCreateShader", reinterpret_cast<void*>(&create)},
       {"glIsProgram", reinterpret_cast<void*>(&isProgram)},
       {"glCreateProgram", reinterpret_cast<void*>(&createProgram)},

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 # Install and export: find_package(kelp) gives the runtime libraries, none of the baker's dependencies, and
 # the programs where they are built. Components: `dev` (libraries, headers, the CMake package; needs `lib`),
-# `tools` (the programs), and `lib` (libkelp.so, for programs that were built with it).
+# `tools` (the programs), `lib` (libkelp.so, for programs that were built with it), and `python` (kelp.py;
+# needs `lib`).
 include(CMakePackageConfigHelpers)
 set(kelp_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/kelp)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/tools/cmake/kelpConfig.cmake.in

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Debian packages of the components: kelp-tools (the programs), libkelp-dev (libraries, headers, the CMake
-# package) and libkelp0 (the shared library). `cmake --workflow --preset package` makes them as they ship, in
-# build/package.
+# package), libkelp0 (the shared library) and python3-kelp. `cmake --workflow --preset package` makes them as
+# they ship, in build/package.
 set(KELP_PACKAGE_CONTACT "The kelp authors <kelp@kelp.invalid>" CACHE STRING
   "The maintainer of the packages that this build makes: Name <mail address>")
 set(CPACK_GENERATOR DEB)
@@ -47,6 +47,27 @@ C, and in any language that calls C, use it.")
 endif()
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${depends}")
 
+if(TARGET kelp_c)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-kelp)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.9), ${lib_package} (>= ${PROJECT_VERSION}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri")
+  # As Debian's own: compiled when it is installed, so that nothing is left when it is removed.
+  file(WRITE ${PROJECT_BINARY_DIR}/papers/postinst
+    "#!/bin/sh\nset -e\nif command -v py3compile >/dev/null 2>&1; then py3compile -p python3-kelp; fi\n")
+  file(WRITE ${PROJECT_BINARY_DIR}/papers/prerm
+    "#!/bin/sh\nset -e\nif command -v py3clean >/dev/null 2>&1; then py3clean -p python3-kelp; fi\n")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+    "${PROJECT_BINARY_DIR}/papers/postinst;${PROJECT_BINARY_DIR}/papers/prerm")
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "voxel models that bend - for Python
+The kelp runtime for Python, by its shared library: packs, poses and clips,
+springs, ray casts and distances with NumPy arrays, and pictures drawn by
+OpenGL without a window.")
+endif()
+
 if(KELP_BAKER OR KELP_TOOLS)
   list(APPEND CPACK_COMPONENTS_ALL tools)
   set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME kelp-tools)
@@ -89,6 +110,7 @@ if(KELP_GZIP)
   kelp_package_papers(dev libkelp-dev libglm-dev libxxhash-dev)
   if(TARGET kelp_c)
     kelp_package_papers(lib ${lib_package} libglm-dev libxxhash-dev libzstd-dev)
+    kelp_package_papers(python python3-kelp)
   endif()
   kelp_package_papers(tools kelp-tools libglm-dev libxxhash-dev libzstd-dev libcli11-dev nlohmann-json3-dev
     libtinygltf-dev libopenmesh-dev libstb-dev libnanovdb-dev libimgui-dev)

@@ -62,3 +62,17 @@ function(kelp_add_test name)
       PROPERTIES ${properties} ${labels})
   endif()
 endfunction()
+
+# kelp_numpy_python(OUT): a Python that has NumPy, for kelp.py: the one that CMake finds, or Debian's own
+# (python3-numpy); empty if neither has.
+function(kelp_numpy_python out)
+  find_package(Python3 QUIET COMPONENTS Interpreter)
+  foreach(python ${Python3_EXECUTABLE} /usr/bin/python3)
+    execute_process(COMMAND ${python} -c "import numpy" RESULT_VARIABLE absent OUTPUT_QUIET ERROR_QUIET)
+    if(absent EQUAL 0)
+      set(${out} ${python} PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+  set(${out} "" PARENT_SCOPE)
+endfunction()

@@ -110,6 +110,12 @@ kelp_result kelp_asset_get_part(kelp_asset asset, int32_t part, kelp_part* out) 
                          });
 }
 
+kelp_result kelp_asset_find_part(kelp_asset asset, const char* name, int32_t* part) {
+  const Pinned<AssetObject> object(asset.id);
+  if (!object) return object.bad();
+  return name && part ? answer(findPart(*object->asset, name), part) : nullPointer();
+}
+
 kelp_result kelp_asset_get_clip(kelp_asset asset, int32_t clip, kelp_clip* out) {
   return describeElement(asset, out, &Pack::clips, clip, kNoClip,
                          [](const Asset&, const kelp::Clip& from, kelp_clip& to) {

@@ -60,6 +60,9 @@ kelp_result InstanceList::readOne(const kelp_instance& from, runtime::Instance& 
     if (!pose) return badHandle(id);
     (previous ? to.previous_pose : to.pose) = &static_cast<const PoseObject*>(objectOf(pose))->pose;
   }
+  if (from.unsound < KELP_UNSOUND_LEAVE_OUT || from.unsound > KELP_UNSOUND_CLAMP)
+    return misuse("there is no such `unsound`");
+  to.unsound = static_cast<runtime::Unsound>(from.unsound);
   if (!from.palette && from.palette_count > 0) return nullPointer();
   to.palette = same<Material>(from.palette, from.palette_count);
   to.to_world = glm::make_mat4(from.to_world);

@@ -9,6 +9,9 @@
 
 namespace kelp::c {
 
+template <>
+inline constexpr std::size_t kFirstSize<kelp_instance> = offsetof(kelp_instance, unsound);
+
 // Translates a list, and pins what its handles name, while it lives. Its memory is the thread's, which keeps
 // it for the next list. A list that is made meanwhile, by a callback, gets memory of its own.
 class InstanceList {

@@ -5,6 +5,10 @@
 #include "view.h"
 
 namespace kelp::c {
+
+template <>
+inline constexpr std::size_t kFirstSize<kelp_stats> = offsetof(kelp_stats, too_small);
+
 namespace {
 
 // A number for each thread of the process; unlike a thread's id, it never comes back.
@@ -49,6 +53,10 @@ kelp_result answerStats(const Result<gl::Stats>& result, kelp_stats* stats) {
   out.pending = from.pending;
   out.bytes_uploaded = from.bytes_uploaded;
   out.gpu_bytes = from.gpu_bytes;
+  out.too_small = from.too_small;
+  out.waiting = from.waiting;
+  out.other_kind = from.other_kind;
+  out.clamped = from.clamped;
   out.first_left_out_text = "";
   if (from.left_out > 0) {
     out.first_left_out_result = static_cast<kelp_result>(from.first_left_out.code);

@@ -95,13 +95,18 @@ float alongView(const glm::dvec4& direction, const RecordHead& head) {
 
 Result<void> DrawList::build(Residency& store, const Projection& projection, const View& view,
                              std::span<const runtime::Instance> instances, PartKind kind, Rays rays) {
-  const Frame frame{projection, view, kind, rays, kind == PartKind::kSolid && usesDistances(view.quality)};
+  const Frame frame{projection,
+                    view,
+                    kind,
+                    rays,
+                    store.uploaded(),
+                    kind == PartKind::kSolid && usesDistances(view.quality)};
   waiting_ = 0;
   ring_ = {};
   count_ = sheared_ = 0;
   texels_ = 0;
   rows_ = 0;
-  culled_ = 0;
+  clamped_count_ = culled_ = too_small_ = parts_waiting_ = other_kind_ = 0;
   has_heat_[0] = has_heat_[1] = false;
   left_out_count_ = 0;
   first_left_out_ = {};
@@ -113,7 +118,8 @@ Result<void> DrawList::build(Residency& store, const Projection& projection, con
   std::size_t i = 0;
   for (; i < instances.size() && !error; ++i) {
     ResidentAsset* const asset = found.find(store, instances[i].asset, error);
-    if (asset) error = addInstance(frame, *asset, instances[i], static_cast<std::uint32_t>(i));
+    const runtime::Instance* const instance = asset ? clampIfUnsound(frame, instances[i], error) : nullptr;
+    if (instance) error = addInstance(frame, *asset, *instance, static_cast<std::uint32_t>(i));
   }
   if (error && error->code == ErrorCode::kMisuse) {
     count_ = sheared_ = 0;
@@ -191,6 +197,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
       }
     }
   }
+  other_kind_ += !is_drawn;
   if (!is_drawn && !isAffine(instance.to_world)) return leaveOut(asset, index, kBadMatrix);
   return nullptr;
 }
@@ -262,6 +269,10 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
     candidate.recorded = candidate.drawn || (frame.rings && candidate.asset->packed.size() > 1 &&
                                              (placed_[eight].invertible >> k & 1));
     culled_ += !is_seen;
+    too_small_ += judged.small >> k & 1;
+    if (!is_seen || candidate.drawn) continue;
+    ++parts_waiting_;
+    tellWaiting(*candidate.asset, frame.uploaded);
   }
 }
 

@@ -31,6 +31,7 @@ class DrawList {
         sorted_(allocator),
         records_(allocator),
         arcs_(allocator),
+        allocator_(allocator),
         left_out_(allocator),
         palettes_(allocator) {}
 
@@ -47,10 +48,7 @@ class DrawList {
   std::span<const glm::uvec4> records() const { return records_.span().first(rows_ * kRecordWidth); }
   // Where the numbers of the parts' records begin, four to a texel.
   std::uint32_t firstNumber() const { return static_cast<std::uint32_t>(4 * texels_); }
-  std::uint32_t culled() const { return culled_; }
-  // Instances that were left out, and why the first of them was.
-  std::uint32_t leftOut() const { return static_cast<std::uint32_t>(left_out_count_); }
-  const Error& firstLeftOut() const { return first_left_out_; }
+  void count(Stats& stats) const;
   // The bend of the fog part at this place in the order, and true if a listed fog part of this bend has heat.
   Bend fogBend(std::uint32_t place) const {
     return order_[count_ - 1 - place].key & kSweptFog ? Bend::kSweep : Bend::kShear;
@@ -67,7 +65,8 @@ class DrawList {
     const View& view;
     PartKind kind;
     Rays rays;
-    bool rings;  // whether records lead to those of their instance's other parts
+    bool uploaded;  // the renderer has uploaded before
+    bool rings;     // whether records lead to those of their instance's other parts
     // True if records say where the parts were in the frame before.
     bool movesPictures() const { return rays == Rays::kView && view.camera.previous_world_to_clip; }
   };
@@ -107,6 +106,9 @@ class DrawList {
   const Error* listArcs(std::size_t eight, std::size_t k, float level);
   const Error* place(const Frame& frame, std::size_t eight, std::size_t count);
   const Error* leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why);
+  const runtime::Instance* clampIfUnsound(const Frame& frame, const runtime::Instance& instance,
+                                          const Error*& error);
+  void tellWaiting(ResidentAsset& asset, bool uploaded) const;
   const Error* addPalette(std::span<const Material> materials, std::uint32_t& word);
   const Error* writePalettes();
   void dropLeftOut();
@@ -140,8 +142,14 @@ class DrawList {
     std::size_t last = 0;
   };
   Ring ring_;
-  std::uint32_t culled_ = 0;
-  bool has_heat_[2] = {};           // by bend
+  std::uint32_t culled_ = 0, too_small_ = 0, parts_waiting_ = 0, other_kind_ = 0;  // as in Stats
+  bool has_heat_[2] = {};                                                          // by bend
+  // An instance with a clamped pose, until its block is written.
+  Allocator allocator_;
+  runtime::Instance clamped_;
+  runtime::Pose clamped_pose_;
+  runtime::AssetWatch clamped_watch_;  // of the asset that clamped_pose_ was made for
+  std::uint32_t clamped_count_ = 0;
   Buffer<std::uint32_t> left_out_;  // the first left_out_count_: indices of instances, ascending
   std::size_t left_out_count_ = 0;
   Error first_left_out_;

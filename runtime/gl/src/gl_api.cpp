@@ -41,6 +41,19 @@ void loadDebug(void* (*getProcAddress)(void* user, const char* name), void* user
     api.ObjectLabel = nullptr, api.PushDebugGroup = nullptr, api.PopDebugGroup = nullptr;
 }
 
+// Of EGL, GLX, WGL and CGL the one that this context is of. EGL first: an eglGetProcAddress may invent
+// functions whose names begin with "gl", glXGetProcAddress none that begin with "egl".
+void findContext(void* (*getProcAddress)(void* user, const char* name), void* user, Api& api) {
+  for (const char* const name :
+       {"eglGetCurrentContext", "glXGetCurrentContext", "wglGetCurrentContext", "CGLGetCurrentContext"}) {
+    api.getCurrentContext = reinterpret_cast<void*(KELP_GL_CALL*)()>(getProcAddress(user, name));
+    if (!api.getCurrentContext) continue;
+    api.context = api.getCurrentContext();
+    if (api.context) return;
+    api.getCurrentContext = nullptr;
+  }
+}
+
 }  // namespace
 
 Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void* user, Api& api) {
@@ -82,6 +95,7 @@ Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void
   api.GetIntegerv(constant::kMaxTextureUnits, &api.max_texture_units);
   if (api.Enablei) api.GetIntegerv(constant::kMaxDrawBuffers, &api.draw_buffers);
   loadDebug(getProcAddress, user, version, api);
+  findContext(getProcAddress, user, api);
   return {};
 }
 

@@ -80,6 +80,7 @@ using Name = std::uint32_t;  // of a texture, program, ...
   X(void, GenFramebuffers, (std::int32_t, Name*))                                                            \
   X(void, DeleteFramebuffers, (std::int32_t, const Name*))                                                   \
   X(void, BindFramebuffer, (Enum, Name))                                                                     \
+  X(Enum, CheckFramebufferStatus, (Enum))                                                                    \
   X(void, FramebufferTexture2D, (Enum, Enum, Enum, Name, std::int32_t))                                      \
   X(void, GetFramebufferAttachmentParameteriv, (Enum, Enum, Enum, std::int32_t*))                            \
   X(void, DrawBuffers, (std::int32_t, const Enum*))                                                          \
@@ -118,6 +119,14 @@ struct Api {
   KELP_GL_DEBUG_FUNCTIONS(KELP_GL_DECLARE)
 #undef KELP_GL_DECLARE
 
+  // The window system's function that returns the current context, and what it returned when this was filled.
+  // Null: getProcAddress knows none.
+  void*(KELP_GL_CALL* getCurrentContext)() = nullptr;
+  void* context = nullptr;
+
+  // False: another context is current, or none, as on another thread.
+  bool isCurrent() const { return !getCurrentContext || getCurrentContext() == context; }
+
   bool es = false;
   int max_texture_size = 0;
   int max_array_layers = 0;
@@ -155,12 +164,13 @@ inline constexpr Enum kTextureMinFilter = 0x2801, kTextureMagFilter = 0x2800, kT
                       kNearest = 0x2600, kTextureCompareMode = 0x884C, kNone = 0;
 inline constexpr Enum kRedInteger = 0x8D94, kRgbaInteger = 0x8D99, kR32ui = 0x8236, kRgba32ui = 0x8D70;
 inline constexpr Enum kUnsignedInt = 0x1405;
-inline constexpr Enum kDrawFramebuffer = 0x8CA9, kReadFramebuffer = 0x8CA8, kDrawFramebufferBinding = 0x8CA6,
-                      kReadFramebufferBinding = 0x8CAA, kDepth = 0x1801, kDepthAttachment = 0x8D00,
-                      kDepthStencilAttachment = 0x821A, kAttachmentObjectType = 0x8CD0,
-                      kAttachmentObjectName = 0x8CD1, kAttachmentDepthSize = 0x8216,
-                      kAttachmentStencilSize = 0x8217, kAttachmentComponentType = 0x8211,
-                      kDepthBufferBit = 0x0100, kViewport = 0x0BA2, kSamples = 0x80A9;
+inline constexpr Enum kDrawFramebuffer = 0x8CA9, kReadFramebuffer = 0x8CA8, kFramebufferComplete = 0x8CD5,
+                      kDrawFramebufferBinding = 0x8CA6, kReadFramebufferBinding = 0x8CAA, kDepth = 0x1801,
+                      kDepthAttachment = 0x8D00, kDepthStencilAttachment = 0x821A,
+                      kAttachmentObjectType = 0x8CD0, kAttachmentObjectName = 0x8CD1,
+                      kAttachmentDepthSize = 0x8216, kAttachmentStencilSize = 0x8217,
+                      kAttachmentComponentType = 0x8211, kDepthBufferBit = 0x0100, kViewport = 0x0BA2,
+                      kSamples = 0x80A9;
 inline constexpr Enum kDepthComponent = 0x1902, kDepthStencil = 0x84F9, kDepthComponent16 = 0x81A5,
                       kDepthComponent24 = 0x81A6, kDepthComponent32 = 0x81A7, kDepthComponent32f = 0x8CAC,
                       kDepth24Stencil8 = 0x88F0, kDepth32fStencil8 = 0x8CAD, kUnsignedShort = 0x1403,

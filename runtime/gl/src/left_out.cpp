@@ -2,11 +2,24 @@
 // The draw list's instances that cannot be drawn: the others are.
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "draw_list.h"
 #include "record_spline.h"
 
 namespace kelp::gl {
+
+void DrawList::count(Stats& stats) const {
+  stats.instances = parts();
+  stats.culled = culled_;
+  stats.too_small = too_small_;
+  stats.waiting = parts_waiting_;
+  stats.other_kind = other_kind_;
+  stats.left_out = static_cast<std::uint32_t>(left_out_count_);
+  stats.first_left_out = first_left_out_;
+  stats.clamped = clamped_count_;
+}
+
 const Error* DrawList::leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why) {
   const auto end = left_out_.begin() + left_out_count_;
   const auto place = std::lower_bound(left_out_.begin(), end, instance);
@@ -29,6 +42,43 @@ const Error* DrawList::leaveOut(ResidentAsset& asset, std::uint32_t instance, co
   }
   asset.told_left_out = true;
   return nullptr;
+}
+
+// The instance, or one with its pose clamped: it is used until the next call. Null: `error` is set.
+const runtime::Instance* DrawList::clampIfUnsound(const Frame& frame, const runtime::Instance& instance,
+                                                  const Error*& error) {
+  if (instance.unsound != runtime::Unsound::kClamp || !instance.pose ||
+      !instance.pose->fits(*instance.asset) || instance.pose->check())
+    return &instance;
+  error = addBlock(frame);  // it may use the one before
+  if (error) return nullptr;
+  if (clamped_.asset != instance.asset || !clamped_watch_.alive()) {
+    auto made = runtime::Pose::create(*instance.asset, allocator_);
+    if (!made) {
+      error = &kNoMemoryForFrame;
+      return nullptr;
+    }
+    clamped_pose_ = *std::move(made);
+    clamped_watch_ = runtime::AssetWatch(*instance.asset);
+  }
+  clamped_ = instance;
+  clamped_.pose = &clamped_pose_;
+  clamped_pose_.assign(*instance.pose).value();
+  clamped_pose_.clamp();
+  if (!clamped_pose_.check()) return &instance;
+  ++clamped_count_;
+  return &clamped_;
+}
+
+// A part is seen of which nothing is on the GPU: says so where the host has forgotten something.
+void DrawList::tellWaiting(ResidentAsset& asset, bool uploaded) const {
+  const bool pumped = runtime::PageAccess::wasPumped(*asset.asset);
+  if (!log_.write || asset.told_waiting || (pumped && uploaded)) return;
+  char text[256];
+  std::snprintf(text, sizeof text, "%.128s: nothing %s\n", runtime::PageAccess::name(*asset.asset),
+                pumped ? "on the GPU yet; call Renderer::upload()" : "in memory yet; call Asset::pump()");
+  log_.write(log_.user, text);
+  asset.told_waiting = true;
 }
 
 // Bounds eight parts. Parts whose pose cannot be drawn are bounded at rest, and left out.

@@ -92,9 +92,10 @@ void placeParts(const Projection& projection, const PosedParts& parts, PlacedPar
 
 void judgeParts(const Projection& projection, const View& view, Rays rays, const PlacedParts& placed,
                 JudgedParts& judged) {
-  judged.seen = 0;
+  judged.seen = judged.small = 0;
   for (int first = 0; first < 8; first += 4) four::judgeParts(projection, view, rays, first, placed, judged);
   judged.seen &= placed.invertible;
+  judged.small &= placed.invertible;
 }
 
 void writeHeads(const Projection& projection, const PlacedParts& placed, RecordHead* const (&heads)[8]) {

@@ -64,6 +64,7 @@ struct PlacedParts {
 
 struct JudgedParts {
   unsigned seen;       // bits: not culled
+  unsigned small;      // bits: in view, and culled because they cover too few pixels
   EightFloats pixels;  // that a level-0 voxel covers, or what that is worth where it is not seen
   EightFloats level;   // Detail::of
 };

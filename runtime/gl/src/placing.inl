@@ -164,10 +164,11 @@ void judgeParts(const Projection& projection, const View& view, Rays rays, int f
   const bool any = rays == Rays::kAny;
   const Floats shown = any ? around : pixels;
   // Less than 0: not seen.
-  const Floats margin =
-      min(shown * side - view.quality.smallest_pixels, any ? Floats(0.0f) : lanesOf(placed.inside, first));
+  const Floats size = shown * side - view.quality.smallest_pixels,
+               inside = any ? Floats(0.0f) : lanesOf(placed.inside, first), margin = min(size, inside);
   constexpr unsigned kAll = (1u << Floats::kCount) - 1;
   judged.seen |= (~lessBits(margin, 0.0f) & kAll) << first;
+  judged.small |= (lessBits(size, 0.0f) & ~lessBits(inside, 0.0f)) << first;
   const Floats worth = selectLess(margin, 0.0f, kHiddenWorth * around, shown);
   worth.store(judged.pixels.of + first);
   chooseLevel(worth, view.quality.pixels_per_voxel, view.quality.finest_level, lanesOf(placed.levels, first))

@@ -24,6 +24,12 @@ namespace {
 using namespace constant;
 
 constexpr std::uint64_t kLeastUpload = 4096;
+constexpr Error kAbandoned{ErrorCode::kMisuse, "the renderer was abandoned"};
+constexpr Error kOtherContext{ErrorCode::kMisuse,
+                              "the renderer's context is not current on this thread; make the one current "
+                              "that was so in Renderer::create()"};
+constexpr Error kIncomplete{
+    ErrorCode::kMisuse, "the framebuffer to draw into is not complete; glCheckFramebufferStatus says why"};
 static_assert(kFirstHostUnit >= kTextureUnits);
 
 void bindUnit(const Api& api, Unit unit, Name texture) {
@@ -32,13 +38,6 @@ void bindUnit(const Api& api, Unit unit, Name texture) {
 }
 
 int fogProgram(Bend bend, bool heat, bool shadow) { return 4 * (bend == Bend::kSweep) + 2 * heat + shadow; }
-
-void count(const DrawList& list, Stats& stats) {
-  stats.instances = list.parts();
-  stats.culled = list.culled();
-  stats.left_out = list.leftOut();
-  stats.first_left_out = list.firstLeftOut();
-}
 
 // The uniforms of the look, in the program in use.
 void setLook(const Api& api, const Program& program, const View& view) {
@@ -74,7 +73,7 @@ struct Renderer::Impl {
   LogSink log;
   bool restore;
   Features features;
-  bool abandoned = false;
+  bool abandoned = false, told_no_pixels = false;
   Buffer<char> surface;            // a copy of RendererOptions::surface_glsl; empty: kelp's own look
   Program program, swept_program;  // the latter once a part is swept; with distances one is for all
   Program fog_programs[8];         // fogProgram(); those that assets need
@@ -83,16 +82,24 @@ struct Renderer::Impl {
   RecordTextures records;
   DepthCopy depth;
   Residency store;
-  std::uint32_t pending = 0;
   DrawList list;
   RecordTextures traced_records;
   DrawList traced;  // of the last bindTrace()
   TraceStrings trace_strings{};
 
+  // Null: OpenGL may be called.
+  const Error* unusable() const {
+    return abandoned ? &kAbandoned : api.isCurrent() ? nullptr : &kOtherContext;
+  }
   // A host's surface may cast rays without the feature.
   bool castsRays() const { return has(features, Features::kSecondaryRays) || !surface.empty(); }
   Result<void> check(const View& view) const {
     return checkView(view, castsRays() ? features | Features::kSecondaryRays : features);
+  }
+  void tellNoPixels() {
+    if (log.write && !told_no_pixels)
+      log.write(log.user, "kelp: Camera::viewport has no pixels, so nothing is drawn; this is told once\n");
+    told_no_pixels = true;
   }
   void setState(const Program& used, const View& view, Pass pass, Name scene_depth) const;
   Result<void> prepare(std::span<const Part> parts);
@@ -220,8 +227,9 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const RendererOptions& option
 
 Renderer::~Renderer() {
   Impl& self = *impl_;
-  self.store.clear(self.abandoned ? nullptr : &self.api);
-  if (self.abandoned) return;
+  const bool leaves = self.unusable() != nullptr;  // objects of another context are not touched
+  self.store.clear(leaves ? nullptr : &self.api);
+  if (leaves) return;
   self.api.DeleteTextures(RecordTextures::kCount, self.records.names);
   self.api.DeleteTextures(RecordTextures::kCount, self.traced_records.names);
   self.depth.destroy(self.api);
@@ -234,7 +242,7 @@ Renderer::~Renderer() {
 
 Result<void> Renderer::add(const runtime::Asset& asset) {
   Impl& self = *impl_;
-  if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
+  if (const Error* const unusable = self.unusable()) return *unusable;
   const DebugGroup group(self.api, "kelp add");
   const UploadGuard guard(self.api, self.restore);
   const DrawGuard draw(self.api, self.restore);
@@ -248,7 +256,7 @@ void Renderer::remove(const runtime::Asset& asset) {
 
 Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
   Impl& self = *impl_;
-  if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
+  if (const Error* const unusable = self.unusable()) return *unusable;
   if (max_bytes > 0 && max_bytes < kLeastUpload)
     return Error{ErrorCode::kMisuse,
                  "max_bytes is below 4096, and an upload might never end; 0 uploads nothing"};
@@ -256,7 +264,6 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
   const UploadGuard guard(self.api, self.restore);
   const auto progress = self.store.upload(self.api, max_bytes);
   if (!progress) return progress.error();
-  self.pending = progress->pending;
   if (!progress->coarsest_fit)
     return Error{ErrorCode::kLimit,
                  "gpu_budget is too small for the coarsest levels of all assets: some are not drawn"};
@@ -269,12 +276,15 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
 
 Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pass pass) {
   Impl& self = *impl_;
-  if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
+  if (const Error* const unusable = self.unusable()) return *unusable;
   if (auto good = self.check(view); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
-  stats.pending = self.pending;
-  if (!hasPixels(view)) return stats;
+  stats.pending = self.store.pending();
+  if (!hasPixels(view)) {
+    self.tellNoPixels();
+    return stats;
+  }
   const auto projection = makeProjection(view);
   if (!projection) return projection.error();
   const bool fog = pass == Pass::kFog;
@@ -282,7 +292,8 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
           self.list.build(self.store, *projection, view, instances, fog ? PartKind::kFog : PartKind::kSolid);
       !good)
     return good.error();
-  count(self.list, stats);
+  self.list.count(stats);
+  if (self.api.CheckFramebufferStatus(kDrawFramebuffer) != kFramebufferComplete) return kIncomplete;
   if (stats.instances == 0) return stats;
   const DebugGroup group(self.api, pass == Pass::kDepth ? "kelp depth" : fog ? "kelp fog" : "kelp draw");
   std::uint32_t batches = 1;
@@ -324,7 +335,7 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, runti
                                   int first_unit) {
   Impl& self = *impl_;
   const Api& api = self.api;
-  if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
+  if (const Error* const unusable = self.unusable()) return *unusable;
   std::int32_t linked = 0;
   if (program != 0 && api.IsProgram(program)) api.GetProgramiv(program, kLinkStatus, &linked);
   if (!linked) return Error{ErrorCode::kMisuse, "`program` is not a linked program of this context"};
@@ -333,7 +344,7 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, runti
   if (auto good = self.check(view); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
-  stats.pending = self.pending;
+  stats.pending = self.store.pending();
   const bool is_seen = hasPixels(view);
   const auto projection = is_seen ? makeProjection(view) : Result<Projection>(Projection{});
   if (!projection) return projection.error();
@@ -341,7 +352,7 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, runti
   if (auto good = self.traced.build(self.store, *projection, view, instances, PartKind::kSolid, Rays::kAny);
       !good)
     return good.error();
-  count(self.traced, stats);
+  self.traced.count(stats);
   const DebugGroup group(api, "kelp trace");
   if (stats.instances > 0) {
     const UploadGuard guard(api, self.restore);

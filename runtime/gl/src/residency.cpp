@@ -59,6 +59,7 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
   pool_.write(api, std::uint64_t{row} * Pool::kRowWords, tables.span());
 
   const std::size_t place = lowerBound(&asset);
+  pending_ += static_cast<std::uint32_t>(fresh->levels.size());
   std::copy_backward(assets_.begin() + place, assets_.begin() + count_, assets_.begin() + count_ + 1);
   assets_[place] = fresh.release();
   ++count_;
@@ -86,7 +87,7 @@ void Residency::remove(const runtime::Asset& asset) {
   const std::unique_ptr<ResidentAsset> gone(assets_[place]);
   forget(*gone);
   std::copy(assets_.begin() + place + 1, assets_.begin() + count_, assets_.begin() + place);
-  --count_;
+  if (--count_ == 0) pending_ = 0;
 }
 
 void Residency::beginWants() {
@@ -188,7 +189,7 @@ Result<Residency::Progress> Residency::upload(const Api& api, std::uint64_t max_
       forget(*asset);
     }
   }
-  wants_read_ = true;
+  wants_read_ = uploaded_ = true;
   if (auto good = prioritize(); !good) return good.error();
   pool_.beginCount();
   byte_limit_ = max_bytes;

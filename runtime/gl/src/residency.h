@@ -49,9 +49,12 @@ class Residency {
 
   // Index for at(), or -1. Does not access the asset, which may be destroyed: see alive().
   int find(const runtime::Asset* asset) const;
+  bool uploaded() const { return uploaded_; }
   bool alive(int index) const { return at(index).watch.alive(); }
   ResidentAsset& at(int index) const { return *assets_[static_cast<std::size_t>(index)]; }
   const Pool& pool() const { return pool_; }
+  // Progress::pending of the last upload(), and all levels of assets that were added since.
+  std::uint32_t pending() const { return pending_; }
 
  private:
   // The upload in progress, over several frames if needed.
@@ -81,17 +84,18 @@ class Residency {
   Buffer<Pool::Block> victims_;
   Transfer transfer_;
   std::uint32_t round_ = 0;  // of upload()
+  bool uploaded_ = false;    // upload() was called
   bool drawn_ = false;       // before the first draw everything is wanted
   bool wants_read_ = true;
 
+  std::uint32_t pending_ = 0;
   // Of the upload() that runs.
   Buffer<ResidentLevel*> queue_;  // the first queued_, the most urgent first
   std::size_t queued_ = 0;
   std::uint64_t byte_limit_ = 0;  // of pool_.written()
   std::uint64_t rows_left_ = 0;   // of the pool, left for less urgent levels
   std::uint32_t too_many_ = ~0u;  // so many rows and more are not available
-  std::uint32_t pending_ = 0;
-  bool later_ = false;  // the frame's bytes were used up while making room
+  bool later_ = false;            // the frame's bytes were used up while making room
   bool coarsest_fit_ = true;
 };
 

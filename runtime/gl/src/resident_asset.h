@@ -61,7 +61,8 @@ struct ResidentAsset {
   runtime::AssetWatch watch;
   std::span<const Part> packed;  // the asset's own
   std::uint32_t tables_row = 0;
-  bool told_left_out = false;  // the log has been told of an instance that cannot be drawn
+  // The log has been told of an instance that cannot be drawn; that nothing is in memory, or on the GPU.
+  bool told_left_out = false, told_waiting = false;
   Buffer<ResidentPart> parts;
   Buffer<ResidentLevel*> levels;  // part by part, voxels, then distances, finest first; owned
 

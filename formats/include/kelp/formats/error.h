@@ -43,7 +43,8 @@ struct Error {
   static constexpr std::uint64_t kNoOffset = ~std::uint64_t{0};
 
   ErrorCode code = ErrorCode::kMisuse;
-  // The fault in a few words. Static storage, except where a function says that its asset owns it.
+  // The fault in a few words. Static storage, except where a function says that its asset or the
+  // thread owns it.
   const char* detail = "";
   std::uint64_t offset = kNoOffset;  // where, if there is a place
   Unit unit = Unit::kByte;

@@ -2,6 +2,10 @@
 // Geometric types that every library of kelp shares.
 #pragma once
 
+#include <cstddef>
+#include <type_traits>
+
+#include <glm/gtc/quaternion.hpp>
 #include <glm/mat4x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -9,9 +13,24 @@
 
 namespace kelp {
 
-// With forced alignment in GLM, a host and kelp's libraries would disagree about the layout of every struct.
-static_assert(sizeof(glm::vec3) == 12 && sizeof(glm::mat4) == 64,
-              "kelp needs GLM without GLM_FORCE_DEFAULT_ALIGNED_GENTYPES");
+// With another layout of GLM's types, a host and kelp's libraries would disagree about every struct: numbers
+// would be scrambled, rotations first.
+template <class T, class Same>
+inline constexpr bool kSameLayout = std::is_same_v<T, Same> && alignof(T) == alignof(float);
+static_assert(
+    kSameLayout<glm::vec3, glm::vec<3, float, glm::packed_highp>> && sizeof(glm::vec3) == 12 &&
+        kSameLayout<glm::mat4, glm::mat<4, 4, float, glm::packed_highp>> &&
+        kSameLayout<glm::ivec3, glm::vec<3, int, glm::packed_highp>>,
+    "kelp needs GLM without GLM_FORCE_DEFAULT_ALIGNED_GENTYPES: remove it for all that includes kelp");
+#ifdef GLM_FORCE_QUAT_CTOR_XYZW
+inline constexpr bool kQuatTakesWFirst = false;
+#else
+inline constexpr bool kQuatTakesWFirst = true;
+#endif
+static_assert(kSameLayout<glm::quat, glm::qua<float, glm::packed_highp>> && offsetof(glm::quat, x) == 0 &&
+                  offsetof(glm::quat, w) == 12 && kQuatTakesWFirst,
+              "kelp needs GLM without GLM_FORCE_QUAT_DATA_WXYZ and GLM_FORCE_QUAT_CTOR_XYZW: remove them for "
+              "all that includes kelp");
 
 // An axis-aligned box. Empty when min > max on any axis (the default).
 struct Box {

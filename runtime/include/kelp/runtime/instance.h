@@ -13,6 +13,12 @@
 
 namespace kelp::runtime {
 
+// What a draw does with an instance whose pose Pose::check() refuses.
+enum class Unsound : std::uint8_t {
+  kLeaveOut,  // it is not drawn
+  kClamp,     // it is drawn as Pose::clamp() makes it; left out if its knots are no finite numbers
+};
+
 // Owns nothing. The pointers must be valid during the call that takes the instance.
 struct Instance {
   const Asset* asset = nullptr;
@@ -25,6 +31,7 @@ struct Instance {
   // pose could not be drawn.
   const Pose* previous_pose = nullptr;
   const glm::mat4* previous_to_world = nullptr;
+  Unsound unsound = Unsound::kLeaveOut;  // for draws; queries leave such an instance out
 };
 
 // A list of instances, or one alone: raycast(instance, ray). Owns nothing; valid during the call.
@@ -83,6 +90,9 @@ std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::v
 // right-handed for mirrored instances too. kMisuse: as partToWorld().
 Result<glm::mat4> frameAt(const Instance& instance, int part, const glm::vec3& rest);
 
+// Index of the first part of that name. kMisuse: there is none; the text lists the names that there are, and
+// is valid as long as the asset.
+Result<int> findPart(const Asset& asset, std::string_view name);
 // Index of the first socket of that name; of one part, if `part` is given. kMisuse: there is none; the text
 // lists the names that there are, and is valid as long as the asset.
 Result<int> findSocket(const Asset& asset, std::string_view name, int part = -1);

@@ -134,6 +134,8 @@ typedef struct kelp_part {
   const float* fog_extinction;  // one a level: optical depth of a length of 1 at density 1
 } kelp_part;
 KELP_API kelp_result kelp_asset_get_part(kelp_asset asset, int32_t part, kelp_part* out);
+// The first part of that name. KELP_ERROR_MISUSE: there is none; the error's text lists the names.
+KELP_API kelp_result kelp_asset_find_part(kelp_asset asset, const char* name, int32_t* part);
 
 // An animation. kelp_pose_add_clip plays it.
 typedef struct kelp_clip {

@@ -11,6 +11,13 @@
 
 #include "kelp/c/pose.h"
 
+// What a draw does with an instance whose pose kelp_pose_check refuses.
+typedef int32_t kelp_unsound;
+enum {
+  KELP_UNSOUND_LEAVE_OUT = 0,  // it is not drawn
+  KELP_UNSOUND_CLAMP = 1       // it is drawn as kelp_pose_clamp makes it
+};
+
 // All elements of a list have the same struct_size, which is also their distance in memory.
 typedef struct kelp_instance {
   uint32_t struct_size;
@@ -24,6 +31,7 @@ typedef struct kelp_instance {
   // For motion vectors: pose and matrix of the previous frame. Id 0 and null: as now.
   kelp_pose previous_pose;
   const float* previous_to_world;
+  kelp_unsound unsound;  // for draws; queries leave such an instance out
 } kelp_instance;
 
 // The identity and a white tint; no asset.

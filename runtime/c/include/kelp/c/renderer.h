@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Draws instances with OpenGL 3.3 core or OpenGL ES 3.0, into the framebuffer that the host has bound. Call
-// these functions on the thread that made the renderer, with its context current; on another one they are
-// KELP_ERROR_WRONG_THREAD and do nothing. runtime/HOST_GUIDE.md says what state changes. Include kelp/kelp.h.
+// these functions on the thread that made the renderer, with its context current. On another thread they are
+// KELP_ERROR_WRONG_THREAD, with another context or none KELP_ERROR_MISUSE, and do nothing.
+// runtime/HOST_GUIDE.md says what state changes. Include kelp/kelp.h.
 #ifndef KELP_C_RENDERER_H
 #define KELP_C_RENDERER_H
 
@@ -31,7 +32,8 @@ typedef struct kelp_renderer_options {
   // Returns the address of a GL function, as SDL_GL_GetProcAddress does. Called in kelp_renderer_create only.
   void* (*get_proc_address)(void* user, const char* name);
   // Gets the messages of the GLSL compiler when it refuses a program, and once for each asset why an instance
-  // was left out. Called in functions of the renderer. May be null.
+  // was left out, or that kelp_asset_pump or kelp_renderer_upload was never called. Called in functions of
+  // the renderer. May be null.
   void (*log)(void* user, const char* text);
   void* user;  // of both
   // Bytes of GPU memory for voxels, at least 256 KiB, allocated at once.
@@ -61,8 +63,8 @@ KELP_API kelp_result kelp_renderer_remove(kelp_renderer renderer, kelp_asset ass
 
 typedef struct kelp_stats {
   uint32_t struct_size;
-  uint32_t instances;  // parts of instances that were drawn
-  uint32_t culled;
+  uint32_t instances;       // parts of instances that were drawn
+  uint32_t culled;          // parts out of view, and those that are too small
   uint32_t left_out;        // instances that cannot be drawn: their pose or matrix is not sound
   uint32_t draws;           // calls of OpenGL
   uint32_t pending;         // grids and pages that are wanted and not yet on the GPU
@@ -72,6 +74,10 @@ typedef struct kelp_stats {
   kelp_result first_left_out_result;
   uint32_t first_left_out;
   const char* first_left_out_text;
+  uint32_t too_small;   // of the culled parts: they cover fewer pixels than kelp_view.smallest_pixels
+  uint32_t waiting;     // parts in view of which nothing is on the GPU yet: pump and upload
+  uint32_t other_kind;  // instances without a part that this pass draws
+  uint32_t clamped;     // instances that were drawn with a clamped pose (kelp_instance.unsound)
 } kelp_stats;
 
 // Call it once a frame. Uploads at most max_bytes (0, or 4096 and more) of what the draws since the last call
@@ -137,7 +143,8 @@ enum {
 };
 // Draws into the current framebuffer and viewport. stats: may be null. Instances that cannot be drawn are
 // left out (stats->left_out). KELP_ERROR_MISUSE, and nothing is drawn: an asset that was not added, a pose or
-// a palette of another asset (the error's offset is the index of the instance), a view that is not sound.
+// a palette of another asset (the error's offset is the index of the instance), a view that is not sound,
+// a framebuffer that is not complete.
 KELP_API kelp_result kelp_renderer_draw(kelp_renderer renderer, const kelp_view* view,
                                         const kelp_instance* instances, uint32_t count, kelp_pass pass,
                                         kelp_stats* stats);

@@ -58,7 +58,8 @@ struct RendererOptions {
   Features features = Features::kNone;  // a set: Features::kSecondaryRays | Features::kDistances
   // Gets the messages of the GLSL compiler or linker when they make create() or add() fail
   // (runtime/HOST_GUIDE.md explains STRING:LINE in them), and once for each asset why an instance of it was
-  // left out (Stats::left_out). `text` is valid during the call only. Null: no callback.
+  // left out (Stats::left_out), or that pump() or upload() was never called (Stats::waiting). `text` is valid
+  // during the call only. Null: no callback.
   void (*log)(void* user, const char* text) = nullptr;
   Allocator allocator = {};
 };
@@ -90,7 +91,8 @@ inline constexpr int kFirstHostUnit = 4;
 struct Camera {
   glm::mat4 world_to_eye{1};
   glm::mat4 eye_to_clip{1};  // perspective or orthographic; the far plane may be at infinity
-  // Size of the current viewport in pixels. Without pixels, as in a minimized window, nothing is drawn.
+  // Size of the current viewport in pixels. Without pixels, as in a minimized window, nothing is drawn; the
+  // log is told so once.
   glm::ivec2 viewport{0};
   ClipRange clip_range = ClipRange::kMinusOneToOne;
   // The near plane is at the upper end of the range: kelp tests with GL_GEQUAL instead of GL_LEQUAL.
@@ -189,25 +191,34 @@ enum class Pass : std::uint8_t {
 
 struct Stats {
   std::uint32_t instances = 0;  // parts of instances that were drawn
-  std::uint32_t culled = 0;
+  // Parts that were culled: out of view, or covering fewer pixels than Quality::smallest_pixels. The latter:
+  std::uint32_t culled = 0, too_small = 0;
+  // Parts that are in view and not drawn, because nothing of them is on the GPU yet. If it stays above 0,
+  // call Asset::pump() and upload(); RendererOptions::log says which was never called.
+  std::uint32_t waiting = 0;
+  // Instances without a part of the kind that this pass draws: fog in kFog, solids in the others.
+  std::uint32_t other_kind = 0;
   // Instances that were left out because they cannot be drawn: a pose that turns back (swept: that folds)
   // or is not finite, a motion of a part that is not finite, or a to_world that is not an invertible affine
   // matrix. The others are drawn.
   std::uint32_t left_out = 0;
   // Why the first of them was; `offset` is its index in the list that was given.
   Error first_left_out;
+  std::uint32_t clamped = 0;  // instances that were drawn with a clamped pose (runtime::Instance::unsound)
   // Calls of OpenGL. Solids: one for sheared parts and one for swept ones (with Features::kDistances one for
   // both), or that times Quality::depth_batches at most. Fog: one for each run of parts that bend alike.
   std::uint32_t draws = 0;
   std::uint64_t bytes_uploaded = 0;  // by this call
   std::uint64_t gpu_bytes = 0;       // of assets' textures, held now
-  // Grids and pages that are wanted, would fit, and are not yet on the GPU. 0: the last draws' pictures are
-  // as fine as they get.
+  // Grids and pages that are wanted, would fit, and are not yet on the GPU; before the first upload(), all
+  // levels of the assets. 0: the last draws' pictures are as fine as they get.
   std::uint32_t pending = 0;
 };
 
-// Owns GL objects of the context that was current in create(). Destroy it while that context is current, or
-// call abandon() first.
+// Owns GL objects of the context that was current in create(). Every call while another one is current, or
+// none, as on another thread, is kMisuse and does nothing; the destructor then leaves the objects to their
+// context. Destroy the renderer while its context is current, or call abandon() first. (The context is asked
+// for by eglGetCurrentContext, or that of GLX, WGL or CGL, where getProcAddress knows it.)
 class Renderer {
  public:
   // kGraphics: no context is current, its version is below OpenGL 3.3 or ES 3.0, a function is missing, or a
@@ -238,7 +249,7 @@ class Renderer {
   // looks too dark where nothing encodes it: see View::output. Instances whose asset's coarsest level is not
   // uploaded yet are not drawn yet. Instances that cannot be drawn are left out: Stats::left_out. kMisuse,
   // and nothing is drawn: an asset that is unknown or was destroyed, a pose or a palette of another asset
-  // (`offset` is the index of the instance), a view that is not sound.
+  // (`offset` is the index of the instance), a view that is not sound, a framebuffer that is not complete.
   Result<Stats> draw(const View& view, runtime::Instances instances, Pass pass = Pass::kColor);
 
   // GLSL for a host's own vertex or fragment shader, in the context's dialect: kelpTrace(origin, direction,

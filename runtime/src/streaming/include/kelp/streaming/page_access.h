@@ -55,6 +55,10 @@ struct LevelId {
 struct PageAccess {
   // Starts a round. From then on the caller drives the asset's rounds; pump() starts none by itself.
   static void beginRequests(const Asset& asset);
+  // The name of the asset's file, without its folder. "an asset" if it was opened from a source.
+  static const char* name(const Asset& asset);
+  // False: neither pump() nor loadAll() was called.
+  static bool wasPumped(const Asset& asset);
   // Asset::level() or Asset::distances().
   static const Level* level(const Asset& asset, const LevelId& id);
   // Requests the grid of a level.
