@@ -104,7 +104,8 @@ void sway(runtime::Pose& pose, int part, float seconds, float reach) {
 std::unique_ptr<gl::Renderer> createRenderer(gl::RendererOptions config) {
   if (!config.getProcAddress) config.getProcAddress = EglContext::getProcAddress;
   config.log = [](void*, const char* text) {
-    const bool waits = std::string(text).find(": nothing ") != std::string::npos;  // drawn before it is loaded
+    const bool waits =
+        std::string(text).find(": nothing ") != std::string::npos;  // drawn before it is loaded
     EXPECT_TRUE(waits) << text;
   };
   auto renderer = gl::Renderer::create(config);
