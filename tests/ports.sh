@@ -33,7 +33,7 @@ port_debian() {
   fi
   rm -rf "$root/kelp" && mkdir "$root/kelp"
   cp build/package/*.deb "$root/kelp"
-  cp -r tests/install/consumer tests/install/consumer_c tests/install/packs "$root/kelp"
+  cp -r tests/install/consumer tests/install/consumer_c tests/install/host tests/install/packs "$root/kelp"
   cp tests/install/{fresh_debian.sh,help_truth.py,shells.py,manual_test.py,completions_test.py} "$root/kelp"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
   # Shells that are asked what they complete want a terminal, and bash /dev/fd.

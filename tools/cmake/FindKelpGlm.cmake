@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: MIT
+# Makes kelp_deps::glm from the target glm::glm: the host's, or that of an installed GLM. Exports name this
+# target, so that the host's need not be in an export set.
+if(NOT TARGET glm::glm)
+  find_package(glm QUIET)
+endif()
+set(KelpGlm_TARGET "")
+if(TARGET glm::glm)
+  set(KelpGlm_TARGET glm::glm)
+endif()
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(KelpGlm REQUIRED_VARS KelpGlm_TARGET REASON_FAILURE_MESSAGE
+  "install libglm-dev, make the target glm::glm first, or build kelp with -DKELP_FETCH_DEPENDENCIES=ON")
+if(KelpGlm_FOUND AND NOT TARGET kelp_deps::glm)
+  add_library(kelp_deps::glm INTERFACE IMPORTED)
+  target_link_libraries(kelp_deps::glm INTERFACE ${KelpGlm_TARGET})
+endif()
