@@ -8,6 +8,7 @@ function(make_copies folder)
     file(COPY ${ZSTD_SOURCE}/lib DESTINATION ${folder}/zstd)
   else()
     file(COPY ${ZSTD_INCLUDE_DIR}/zstd.h ${ZSTD_INCLUDE_DIR}/zstd_errors.h DESTINATION ${folder}/zstd/lib)
-    file(WRITE ${folder}/zstd/lib/common/stand_in.c "#include \"../zstd.h\"\nint kelp_stand_in = ZSTD_VERSION_NUMBER;\n")
+    file(WRITE ${folder}/zstd/lib/common/stand_in.c
+      "#include \"../zstd.h\"\nint kelp_stand_in = ZSTD_VERSION_NUMBER;\n")
   endif()
 endfunction()

@@ -10,7 +10,7 @@ if(TARGET glm::glm)
 endif()
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(KelpGlm REQUIRED_VARS KelpGlm_TARGET REASON_FAILURE_MESSAGE
-  "install libglm-dev, make the target glm::glm first, or build kelp with -DKELP_FETCH_DEPENDENCIES=ON")
+  "install libglm-dev, make the target glm::glm first, or build with -DKELP_FETCH_DEPENDENCIES=ON")
 if(KelpGlm_FOUND AND NOT TARGET kelp_deps::glm)
   add_library(kelp_deps::glm INTERFACE IMPORTED)
   target_link_libraries(kelp_deps::glm INTERFACE ${KelpGlm_TARGET})

@@ -9,7 +9,7 @@ else()
 endif()
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(KelpXxhash REQUIRED_VARS KelpXxhash_INCLUDE_DIR REASON_FAILURE_MESSAGE
-  "install libxxhash-dev, make the target xxHash::xxhash first, or build kelp with -DKELP_FETCH_DEPENDENCIES=ON")
+  "install libxxhash-dev, make the target xxHash::xxhash first, or build with -DKELP_FETCH_DEPENDENCIES=ON")
 if(KelpXxhash_FOUND AND NOT TARGET kelp_deps::xxhash)
   add_library(kelp_deps::xxhash INTERFACE IMPORTED)
   set_target_properties(kelp_deps::xxhash PROPERTIES

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Makes kelp_deps::zstd from the host's target of zstd, or from the installed library. A static one goes first,
-# so that a game ships one file less.
+# Makes kelp_deps::zstd from the host's target of zstd, or from the installed library. A static one goes
+# first, so that a game ships one file less.
 set(KelpZstd_TARGET "")
 foreach(name zstd::libzstd_static zstd::libzstd zstd::libzstd_shared libzstd_static libzstd_shared)
   if(NOT KelpZstd_TARGET AND TARGET ${name})
@@ -17,7 +17,7 @@ else()
 endif()
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(KelpZstd REQUIRED_VARS ${required} REASON_FAILURE_MESSAGE
-  "install libzstd-dev, make the target zstd::libzstd first, or build kelp with -DKELP_FETCH_DEPENDENCIES=ON")
+  "install libzstd-dev, make the target zstd::libzstd first, or build with -DKELP_FETCH_DEPENDENCIES=ON")
 if(KelpZstd_FOUND AND NOT TARGET kelp_deps::zstd)
   add_library(kelp_deps::zstd INTERFACE IMPORTED)
   if(KelpZstd_TARGET)

@@ -77,8 +77,9 @@ function(kelp_add_library name)
     kelp_no_exceptions(${target})
   endif()
   if(arg_INSTALL)
-    kelp_install(TARGETS ${target} EXPORT kelpTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
-                 FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
+    kelp_install(TARGETS ${target} EXPORT kelpTargets
+      ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
+      FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
   endif()
 endfunction()
 
@@ -115,5 +116,6 @@ function(kelp_add_tool name)
   target_compile_definitions(${name} PRIVATE KELP_VERSION="${PROJECT_VERSION}")
   kelp_target_defaults(${name})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
-  kelp_install(TARGETS ${name} EXPORT kelpToolTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
+  kelp_install(TARGETS ${name} EXPORT kelpToolTargets
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
 endfunction()

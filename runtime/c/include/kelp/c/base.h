@@ -6,8 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// KELP_DLL_BUILD: while kelp.dll is compiled. KELP_DLL: in programs that link it (kelp::c defines it); without
-// it they link as well, by way of a jump.
+// KELP_DLL_BUILD: while kelp.dll is compiled. KELP_DLL: in programs that link it (kelp::c defines it). They
+// link without it, too, by way of a jump.
 #if defined(_WIN32) && defined(KELP_DLL_BUILD)
 #define KELP_VISIBLE __declspec(dllexport)
 #elif defined(_WIN32) && defined(KELP_DLL)
