@@ -14,4 +14,9 @@ find_package_handle_standard_args(KelpGlm REQUIRED_VARS KelpGlm_TARGET REASON_FA
 if(KelpGlm_FOUND AND NOT TARGET kelp_deps::glm)
   add_library(kelp_deps::glm INTERFACE IMPORTED)
   target_link_libraries(kelp_deps::glm INTERFACE ${KelpGlm_TARGET})
+  get_target_property(imported ${KelpGlm_TARGET} IMPORTED)
+  if(NOT imported)  # whose headers are not the system's; GLM's own warnings are not kelp's
+    target_include_directories(kelp_deps::glm SYSTEM INTERFACE
+      $<TARGET_PROPERTY:${KelpGlm_TARGET},INTERFACE_INCLUDE_DIRECTORIES>)
+  endif()
 endif()
