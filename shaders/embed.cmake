@@ -1,16 +1,29 @@
 # SPDX-License-Identifier: MIT
 # cmake -DOUT=file.cpp -DDIR=folder [-DHEADER=file.h -DSPACE=namespace] -P embed.cmake NAME=file ...
-# Writes text files as C++ string constants. The header declares them.
+# Writes text files as C++ string constants. The header declares them. MSVC takes at most 16,380 bytes in one
+# literal and 65,535 in literals side by side, so a longer text is several literals, cut at ends of lines.
 if(NOT DEFINED HEADER)
   set(HEADER kelp/shaders/shaders.h)
   set(SPACE kelp::shaders)
 endif()
+set(limit 16000)
 set(code "// Made by shaders/embed.cmake. Do not edit.\n#include \"${HEADER}\"\n\nnamespace ${SPACE} {\n")
 foreach(i RANGE ${CMAKE_ARGC})
   if("${CMAKE_ARGV${i}}" MATCHES "^(k[A-Za-z]+)=(.+)$")
     set(name ${CMAKE_MATCH_1})
     file(READ "${DIR}/${CMAKE_MATCH_2}" text)
-    string(APPEND code "const char* const ${name} = R\"GLSL(${text})GLSL\";\n")
+    string(APPEND code "const char* const ${name} =")
+    string(LENGTH "${text}" left)
+    while(left GREATER limit)
+      string(SUBSTRING "${text}" 0 ${limit} piece)
+      string(FIND "${piece}" "\n" end REVERSE)
+      math(EXPR end "${end} + 1")
+      string(SUBSTRING "${text}" 0 ${end} piece)
+      string(SUBSTRING "${text}" ${end} -1 text)
+      string(LENGTH "${text}" left)
+      string(APPEND code "\n    R\"GLSL(${piece})GLSL\"")
+    endwhile()
+    string(APPEND code "\n    R\"GLSL(${text})GLSL\";\n")
   endif()
 endforeach()
 file(WRITE "${OUT}" "${code}}  // namespace ${SPACE}\n")

@@ -3,7 +3,9 @@
 # Tests kelp on other systems than the one that builds it. Opt-in: tests/run.sh does not need it.
 #   tests/ports.sh debian    makes the Debian packages, checks them with lintian, installs them into a fresh
 #                            Debian and uses them there (as root; downloads some 500 MB)
-#   tests/ports.sh windows   cross-compiles the runtime and kelp-dump with mingw-w64, runs their tests in wine
+#   tests/ports.sh hosts     builds games that build kelp, one of them with zstd's source, not a download
+#   tests/ports.sh windows   cross-compiles the runtime, kelp.dll and kelp-dump with mingw-w64, runs their
+#                            tests in wine
 #   tests/ports.sh web       compiles the runtime with emscripten, runs its tests in node, links a program
 #                            with WebGL 2; then builds the page of samples/web, tests its package for npm, and
 #                            it in Chromium and Firefox (KELP_WEB=page: this alone). Screenshots:
@@ -33,7 +35,7 @@ port_debian() {
   fi
   rm -rf "$root/kelp" && mkdir "$root/kelp"
   cp build/package/*.deb "$root/kelp"
-  cp -r tests/install/consumer tests/install/consumer_c tests/install/packs "$root/kelp"
+  cp -r tests/install/consumer tests/install/consumer_c tests/install/host tests/install/packs "$root/kelp"
   cp samples/python/picture.py "$root/kelp"
   cp tests/install/{fresh_debian.sh,help_truth.py,shells.py,manual_test.py,completions_test.py} "$root/kelp"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
@@ -42,6 +44,16 @@ port_debian() {
   mountpoint -q "$root/dev/pts" || mount -t devpts devpts "$root/dev/pts"
   mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
   chroot "$root" bash /kelp/fresh_debian.sh
+}
+
+port_hosts() {
+  need libglm-dev libxxhash-dev libzstd-dev dpkg-dev cmake ninja-build
+  mkdir -p build/ports
+  fetch_zstd
+  cmake -DTEST_DIR="$PWD/tests/install" -DKELP_SOURCE_DIR="$PWD" -DWORK_DIR="$PWD/build/ports/hosts" \
+    -DGENERATOR=Ninja -DCXX_COMPILER=c++ -DLAUNCHER= -DGLM_INCLUDE_DIR=/usr/include \
+    -DXXHASH_INCLUDE_DIR=/usr/include -DZSTD_LIBRARY="$(c++ -print-file-name=libzstd.a)" \
+    -DZSTD_SOURCE="$PWD/build/ports/zstd" -P tests/install/host_test.cmake
 }
 
 port_windows() {
@@ -108,9 +120,9 @@ port_web() {
 
 main() {
   case "${1:-}" in
-    debian|windows|web) "port_$1" ;;
-    -h|--help) sed -n '3,13s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
-    *) fail "give one of debian, windows, web; see --help" ;;
+    debian|hosts|windows|web) "port_$1" ;;
+    -h|--help) sed -n '3,15s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
+    *) fail "give one of debian, hosts, windows, web; see --help" ;;
   esac
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Files of Windows.
 #define WIN32_LEAN_AND_MEAN
+#ifndef NOMINMAX  // libstdc++ defines it, too
 #define NOMINMAX
+#endif
 #include <windows.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Usage: abi_test.py SOURCE_FOLDER LIBKELP_SO CC CXX NM READELF [--write]
+       abi_test.py --dll SOURCE_FOLDER IMPORT_LIBRARY NM    the exports of kelp.dll alone
 
 - kelp/kelp.h compiles alone as C99 and as C++11, with -Wall -Wextra -pedantic and without a warning.
 - libkelp.so exports the functions that the headers declare, and nothing else; its SONAME is right.
@@ -177,6 +178,18 @@ def check_python(folder, library, text, functions, laid_out):
         str(item) for item in set(wanted.items()) ^ set(found.items()))
 
 
+def check_exports(exported, functions):
+    odd = set(exported) ^ set(functions)
+    assert not odd, "declared and not exported, or the other way round: %s" % sorted(odd)
+
+
+def check_dll(folder, import_library, nm):
+    functions = functions_of(header_text(folder + "/runtime/c/include"))
+    listed = [line.split() for line in run(nm, "--defined-only", import_library).splitlines()]
+    check_exports({words[2] for words in listed if len(words) == 3 and words[1] == "T"}, functions)
+    print("%d functions" % len(functions))
+
+
 def main(folder, library, cc, cxx, nm, readelf, *options):
     include, tests = folder + "/runtime/c/include", folder + "/tests/c"
     check_header(include, cc, cxx)
@@ -188,8 +201,7 @@ def main(folder, library, cc, cxx, nm, readelf, *options):
     exported = {line.split()[-1].split("@")[0]: line.split()[-2]
                 for line in run(nm, "-D", "--defined-only", library).splitlines()}
     exported.pop("KELP_0")  # the version itself
-    odd = set(exported) ^ set(functions)
-    assert not odd, "declared and not exported, or the other way round: %s" % sorted(odd)
+    check_exports(exported, functions)
     assert set(exported.values()) == {"T"}, exported
     soname = "libkelp.so." + re.search(r"project\(kelp VERSION (\d+)\.", read(folder + "/CMakeLists.txt"))[1]
     assert "[%s]" % soname in run(readelf, "--dynamic", library), "the SONAME is not " + soname
@@ -212,4 +224,7 @@ def main(folder, library, cc, cxx, nm, readelf, *options):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    if sys.argv[1] == "--dll":
+        check_dll(*sys.argv[2:])
+    else:
+        main(*sys.argv[1:])

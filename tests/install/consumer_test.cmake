@@ -2,6 +2,7 @@
 # Installs this build, moves the installation elsewhere, and builds and runs a project that knows nothing but
 # find_package(kelp).
 include(${TEST_DIR}/steps.cmake)
+include(${TEST_DIR}/copies.cmake)
 file(REMOVE_RECURSE ${WORK_DIR})
 file(MAKE_DIRECTORY ${WORK_DIR})
 
@@ -48,7 +49,16 @@ if(C_COMPILER AND NOT CXX_FLAGS MATCHES "-fsanitize")
   step("building ${c_consumer}" ${CMAKE_COMMAND} --build ${WORK_DIR}/c)
   step("ask" ${WORK_DIR}/c/ask ${WORK_DIR}/cube.kelp)
   step("pkg-config" bash ${c_consumer}/pkg_config.sh ${C_COMPILER} ${WORK_DIR}/prefix ${WORK_DIR}/cube.kelp)
+  step("pkg-config for C++" bash ${TEST_DIR}/host/pkg_config.sh ${CXX_COMPILER} ${WORK_DIR}/prefix
+    ${WORK_DIR}/cube.kelp)
 endif()
+
+# The package takes the targets of a project that has them, and does not search then.
+make_copies(${WORK_DIR}/copies)
+build(${TEST_DIR}/host ${WORK_DIR}/host "${BUILD_TYPE}" "${CXX_FLAGS}" -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
+  -DKELP_FROM=installed -DDEPENDENCIES=own -DCOPIES=${WORK_DIR}/copies -DZSTD_LIBRARY=${ZSTD_LIBRARY}
+  -DCMAKE_DISABLE_FIND_PACKAGE_glm=ON)
+step("host" ${WORK_DIR}/host/host ${WORK_DIR}/cube.kelp)
 
 if(PYTHON)
   step("checking the headers" ${PYTHON} -B ${TEST_DIR}/check_installed.py ${WORK_DIR}/prefix ${CXX_COMPILER})

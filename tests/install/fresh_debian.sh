@@ -54,6 +54,7 @@ cmake -S consumer_c -B build-c -G Ninja
 cmake --build build-c
 build-c/ask cube.kelp
 bash consumer_c/pkg_config.sh cc /usr cube.kelp
+bash host/pkg_config.sh c++ /usr cube.kelp
 cat >CMakeLists.txt <<'END'
 cmake_minimum_required(VERSION 3.25)
 project(game LANGUAGES CXX)

@@ -1,14 +1,29 @@
 # SPDX-License-Identifier: MIT
-# Finds zstd (a static library if there is one, so that a game ships one file less) and makes the target
-# kelp_deps::zstd.
-find_path(KelpZstd_INCLUDE_DIR zstd.h)
-find_library(KelpZstd_LIBRARY NAMES libzstd.a zstd)
-include(FindPackageHandleStandardArgs)
-find_package_handle_standard_args(KelpZstd REQUIRED_VARS KelpZstd_LIBRARY KelpZstd_INCLUDE_DIR
-  REASON_FAILURE_MESSAGE "install libzstd-dev")
-if(KelpZstd_FOUND AND NOT TARGET kelp_deps::zstd)
-  add_library(kelp_deps::zstd UNKNOWN IMPORTED)
-  set_target_properties(kelp_deps::zstd PROPERTIES IMPORTED_LOCATION "${KelpZstd_LIBRARY}"
-    INTERFACE_INCLUDE_DIRECTORIES "${KelpZstd_INCLUDE_DIR}")
+# Makes kelp_deps::zstd from the host's target of zstd, or from the installed library. A static one goes
+# first, so that a game ships one file less.
+set(KelpZstd_TARGET "")
+foreach(name zstd::libzstd_static zstd::libzstd zstd::libzstd_shared libzstd_static libzstd_shared)
+  if(NOT KelpZstd_TARGET AND TARGET ${name})
+    set(KelpZstd_TARGET ${name})
+  endif()
+endforeach()
+if(KelpZstd_TARGET)
+  set(required KelpZstd_TARGET)
+else()
+  find_path(KelpZstd_INCLUDE_DIR zstd.h)
+  find_library(KelpZstd_LIBRARY NAMES libzstd.a zstd)
+  mark_as_advanced(KelpZstd_INCLUDE_DIR KelpZstd_LIBRARY)
+  set(required KelpZstd_LIBRARY KelpZstd_INCLUDE_DIR)
 endif()
-mark_as_advanced(KelpZstd_INCLUDE_DIR KelpZstd_LIBRARY)
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(KelpZstd REQUIRED_VARS ${required} REASON_FAILURE_MESSAGE
+  "install libzstd-dev, make the target zstd::libzstd first, or build with -DKELP_FETCH_DEPENDENCIES=ON")
+if(KelpZstd_FOUND AND NOT TARGET kelp_deps::zstd)
+  add_library(kelp_deps::zstd INTERFACE IMPORTED)
+  if(KelpZstd_TARGET)
+    target_link_libraries(kelp_deps::zstd INTERFACE ${KelpZstd_TARGET})
+  else()
+    target_link_libraries(kelp_deps::zstd INTERFACE "${KelpZstd_LIBRARY}")
+    target_include_directories(kelp_deps::zstd INTERFACE "${KelpZstd_INCLUDE_DIR}")
+  endif()
+endif()

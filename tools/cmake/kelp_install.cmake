@@ -10,8 +10,8 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/tools/cmake/kelpConfig.cmake
   INSTALL_DESTINATION ${kelp_config_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/kelpConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/kelpConfig.cmake ${PROJECT_BINARY_DIR}/kelpConfigVersion.cmake
-  ${PROJECT_SOURCE_DIR}/tools/cmake/FindKelpZstd.cmake ${PROJECT_SOURCE_DIR}/tools/cmake/FindKelpXxhash.cmake
-  ${PROJECT_SOURCE_DIR}/tools/cmake/kelp_add_pack.cmake
+  ${PROJECT_SOURCE_DIR}/tools/cmake/FindKelpGlm.cmake ${PROJECT_SOURCE_DIR}/tools/cmake/FindKelpZstd.cmake
+  ${PROJECT_SOURCE_DIR}/tools/cmake/FindKelpXxhash.cmake ${PROJECT_SOURCE_DIR}/tools/cmake/kelp_add_pack.cmake
   DESTINATION ${kelp_config_dir} COMPONENT dev)
 install(EXPORT kelpTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPONENT dev)
 if(TARGET kelp_c)
@@ -20,6 +20,21 @@ endif()
 if(KELP_BAKER OR KELP_TOOLS)
   install(EXPORT kelpToolTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPONENT tools)
 endif()
+# pkg-config: kelp-runtime for C++, kelp for C.
+file(RELATIVE_PATH KELP_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+string(REGEX REPLACE "/$" "" KELP_PC_PREFIX ${KELP_PC_PREFIX})
+set(KELP_PC_CXX stdc++)
+if("c++" IN_LIST CMAKE_CXX_IMPLICIT_LINK_LIBRARIES)
+  set(KELP_PC_CXX c++)
+endif()
+set(pc_files runtime/kelp-runtime.pc)
+if(TARGET kelp_c)
+  list(APPEND pc_files runtime/c/kelp.pc)
+endif()
+foreach(file IN LISTS pc_files)
+  configure_file(${PROJECT_SOURCE_DIR}/${file}.in ${PROJECT_BINARY_DIR}/${file} @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${file} DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # The documents that headers cite, in the folders of the sources, so that names and links lead there.
 foreach(document formats/SPEC.md formats/README.md runtime/README.md runtime/HOST_GUIDE.md runtime/c/README.md
@@ -37,7 +52,6 @@ install(FILES ${PROJECT_SOURCE_DIR}/samples/sdl_c/main.c
 install(FILES ${PROJECT_SOURCE_DIR}/samples/game_loop/CMakeLists.txt
   ${PROJECT_SOURCE_DIR}/samples/game_loop/main.cpp
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/game_loop COMPONENT dev)
-include(kelp_add_pack)  # for those who have kelp as a subdirectory
 if(PROJECT_IS_TOP_LEVEL)
   include(kelp_package)
 endif()

@@ -3,10 +3,23 @@
 include_guard(GLOBAL)
 option(KELP_WERROR "Treat warnings as errors" OFF)
 
+# install(), if KELP_INSTALL is on.
+function(kelp_install)
+  if(KELP_INSTALL)
+    install(${ARGV})
+  endif()
+endfunction()
+
 function(kelp_target_defaults target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES
     CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  if(MSVC)  # cl, and clang-cl
+    target_compile_options(${target} PRIVATE /W4 /permissive- /utf-8 /Zc:__cplusplus /Gy
+      $<$<BOOL:${KELP_WERROR}>:/WX> $<$<CXX_COMPILER_ID:Clang>:/clang:-ffp-contract=off>)
+    target_compile_definitions(${target} PRIVATE _CRT_SECURE_NO_WARNINGS)
+    return()
+  endif()
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wnon-virtual-dtor
     -ffunction-sections -fdata-sections $<$<BOOL:${KELP_WERROR}>:-Werror>)
   # No contraction into fused multiply-add: the same input bakes to the same bytes on every machine.
@@ -37,6 +50,14 @@ function(kelp_target_defaults target)
   endif()
 endfunction()
 
+function(kelp_no_exceptions target)
+  if(MSVC)  # no warning of CMake's own flags, which these turn off, nor of the catch in standard headers
+    target_compile_options(${target} PRIVATE /EHs-c- /GR- /wd9025 /wd4530)
+  else()
+    target_compile_options(${target} PRIVATE -fno-exceptions -fno-rtti)
+  endif()
+endfunction()
+
 # kelp_add_library(NAME INCLUDE_DIR dir HEADERS ... SOURCES ... [DEPENDS public...] [DEPENDS_PRIVATE ...]
 #                  [NO_EXCEPTIONS] [INSTALL])
 # Makes the static library kelp_NAME with the alias kelp::NAME. Headers are relative to the current folder.
@@ -53,11 +74,12 @@ function(kelp_add_library name)
   target_link_libraries(${target} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_DEPENDS_PRIVATE})
   kelp_target_defaults(${target})
   if(arg_NO_EXCEPTIONS)
-    target_compile_options(${target} PRIVATE -fno-exceptions -fno-rtti)
+    kelp_no_exceptions(${target})
   endif()
   if(arg_INSTALL)
-    install(TARGETS ${target} EXPORT kelpTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
-            FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
+    kelp_install(TARGETS ${target} EXPORT kelpTargets
+      ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
+      FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
   endif()
 endfunction()
 
@@ -94,5 +116,6 @@ function(kelp_add_tool name)
   target_compile_definitions(${name} PRIVATE KELP_VERSION="${PROJECT_VERSION}")
   kelp_target_defaults(${name})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
-  install(TARGETS ${name} EXPORT kelpToolTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
+  kelp_install(TARGETS ${name} EXPORT kelpToolTargets
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
 endfunction()

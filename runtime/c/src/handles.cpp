@@ -34,7 +34,10 @@ struct Table {
   std::uint64_t serial = 0;
   Slot* free = nullptr;
 };
-constinit Table table;
+#ifndef __MINGW32__  // whose std::mutex is made at run time: when kelp.dll is loaded
+constinit
+#endif
+    Table table;
 
 Slot* slotOf(std::uint64_t id) {
   const std::uint64_t index = id & ((std::uint64_t{1} << kSlotBits) - 1);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #define WIN32_LEAN_AND_MEAN
+#ifndef NOMINMAX  // libstdc++ defines it, too
 #define NOMINMAX
+#endif
 #include <windows.h>
 
 #include "file_system.h"

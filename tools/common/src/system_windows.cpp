@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The calls of the operating system behind console.h and memory.h.
 #define WIN32_LEAN_AND_MEAN
+#ifndef NOMINMAX  // libstdc++ defines it, too
 #define NOMINMAX
+#endif
 #include <algorithm>
 
 #include <fcntl.h>

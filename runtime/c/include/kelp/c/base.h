@@ -6,7 +6,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(__GNUC__) && !defined(_WIN32)
+// KELP_DLL_BUILD: while kelp.dll is compiled. KELP_DLL: in programs that link it (kelp::c defines it). They
+// link without it, too, by way of a jump.
+#if defined(_WIN32) && defined(KELP_DLL_BUILD)
+#define KELP_VISIBLE __declspec(dllexport)
+#elif defined(_WIN32) && defined(KELP_DLL)
+#define KELP_VISIBLE __declspec(dllimport)
+#elif defined(__GNUC__) && !defined(_WIN32)
 #define KELP_VISIBLE __attribute__((visibility("default")))
 #else
 #define KELP_VISIBLE
