@@ -18,7 +18,9 @@ Error nameFile(const char* path, const Error& error) {
   static thread_local char text[kMostBytes];
   const int reason = errno;
   // Of a long path the end says more.
-  const std::size_t length = std::strlen(path), cut = length > kMostOfPath ? length - kMostOfPath : 0;
+  const std::size_t length = std::strlen(path);
+  std::size_t cut = length > kMostOfPath ? length - kMostOfPath : 0;
+  while ((static_cast<unsigned char>(path[cut]) & 0xC0) == 0x80) ++cut;  // not amid a character
   std::snprintf(text, sizeof text, "%s%s: %s: %s", cut > 0 ? "..." : "", path + cut, error.detail,
                 std::strerror(reason));
   errno = reason;

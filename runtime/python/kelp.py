@@ -371,14 +371,18 @@ def _load() -> ctypes.CDLL:
     name = "libkelp.so.0"
     path = os.environ.get("KELP_LIBRARY")
     beside = pathlib.Path(__file__).resolve().parents
-    if not path and len(beside) > 3 and beside[2].name == "python3":
-        found = [*beside[3].glob(name), *beside[3].glob("*/" + name)]
-        path = str(found[0]) if found else None
-    try:
-        library = ctypes.CDLL(path or name)
-    except OSError as error:
-        raise ImportError("%s; install it (Debian: libkelp0), or set KELP_LIBRARY to its path" % error) \
-            from error
+    tried = [path] if path else [name]
+    if not path and len(beside) > 3 and beside[2].name.startswith("python3"):
+        tried = [str(found) for where in (name, "*/" + name, "../lib64/" + name)
+                 for found in beside[3].glob(where)] + tried
+    for one in tried:  # some may be another processor's
+        try:
+            library = ctypes.CDLL(one)
+            break
+        except OSError as error:
+            failed = error
+    else:
+        raise ImportError("%s; install it (Debian: libkelp0), or set KELP_LIBRARY to its path" % failed)
     library.kelp_version.restype = c_uint32
     for function, kinds in _FUNCTIONS.items():
         getattr(library, "kelp_" + function).argtypes = kinds
@@ -418,6 +422,8 @@ def _scalar(kind: Any, value: Any) -> Any:
         if kind(whole).value != whole:
             raise ValueError("%d is out of range" % whole)
         return whole
+    if kind is c_char_p and isinstance(value, bytes) and b"\0" in value:
+        raise ValueError("a text must not contain a null character")
     if kind in (c_float, c_double) and not isinstance(value, numbers.Real):
         raise TypeError("a number is wanted, not %r" % (value,))
     return float(value) if kind in (c_float, c_double) else value
@@ -512,7 +518,7 @@ def _answer(kind: Type[_T], answer: Any, /, **given: Any) -> _T:
 
 # Objects and threads --------------------------------------------------------------------------------------
 
-_uses_lock = threading.Lock()
+_uses_lock = threading.RLock()  # a collection may call in here
 
 
 def _of(one: Any, kind: Any) -> Any:
@@ -577,8 +583,8 @@ def _using(*read: _Object, change: Optional[_Object] = None) -> Iterator[None]:
                 change._uses = 0
 
 
-class _Caught:
-    """Exceptions of callbacks, which C cannot pass on."""
+class _Caught(threading.local):
+    """Exceptions of a thread's callbacks, which C cannot pass on."""
 
     def __init__(self) -> None:
         self._errors: list[BaseException] = []
@@ -594,12 +600,13 @@ class _Caught:
 
     @contextlib.contextmanager
     def raised(self) -> Iterator[None]:
-        """Raises what a callback raised, in place of the error that came of it."""
+        """Raises what a callback raised first, in place of the error that came of it."""
         try:
             yield
         finally:
-            if self._errors:
-                raise self._errors.pop(0)
+            errors, self._errors = self._errors, []
+            if errors:
+                raise errors[0]
 
 
 # Assets ---------------------------------------------------------------------------------------------------
@@ -938,9 +945,11 @@ class Pose(_Object):
 
     def blend(self, to: Pose, weight: float, part_weights: Optional[npt.ArrayLike] = None) -> None:
         """Moves the pose towards `to`; weight 1 makes it `to`. part_weights: (parts,) factors of it."""
-        factors = np.zeros(0) if part_weights is None else _array(part_weights, (None,), "part_weights")
-        self._change("blend", _of(to, Pose), weight, _floats(factors) if len(factors) else None, len(factors),
-                     read=(to,))
+        factors = None if part_weights is None else _array(part_weights, (None,), "part_weights")
+        if factors is not None and not len(factors):
+            raise ValueError("part_weights: one for each part is wanted")
+        self._change("blend", _of(to, Pose), weight, None if factors is None else _floats(factors),
+                     0 if factors is None else len(factors), read=(to,))
 
     def check(self) -> None:
         """Error if a part cannot be drawn; its offset is the part's index."""
@@ -967,7 +976,7 @@ def _counted(call: Callable[[Any, int, Any], None], kind: np.dtype[Any]) -> Arra
     return out
 
 
-@dataclass
+@dataclass(eq=False)
 class Instance:
     """A posed asset in the world. Change its fields as you like. pose: None: at rest. to_world: meters of the
     model -> world. tint: multiplies the base color. palette: (n,) MATERIAL in place of the pack's.
@@ -1258,7 +1267,7 @@ def sphere_cast(instances: Instances, start: npt.ArrayLike, end: npt.ArrayLike, 
 # The renderer ---------------------------------------------------------------------------------------------
 
 
-@dataclass
+@dataclass(eq=False)
 class View:
     """A picture: the fields of kelp_view; None: the default. world_to_eye, eye_to_clip: (4, 4). bind(program)
     is called before each draw, to set what surface_glsl needs."""
@@ -1422,7 +1431,9 @@ class Renderer(_Object):
         self._assets.append(asset)
 
     def remove(self, asset: Asset) -> None:
-        self._do("remove", _of(asset, Asset))
+        """One that was closed, too: the library has forgotten it by itself."""
+        if not isinstance(asset, Asset) or asset._finalizer.alive:
+            self._do("remove", _of(asset, Asset))
         self._assets = [one for one in self._assets if one is not asset]
 
     def upload(self, max_bytes: int = 4 << 20) -> Stats:
@@ -1464,17 +1475,17 @@ class Renderer(_Object):
         self._feed()
         while True:
             self._canvas.clear(background)
-            drawn = [self.draw(view, instances, one) for one in (Pass.COLOR, Pass.FOG)][0]
-            if drawn.left_out:
-                raise Error(drawn.first_left_out_result, "instance %d cannot be drawn: %s" % (
-                    drawn.first_left_out, drawn.first_left_out_text), drawn.first_left_out, Unit.INSTANCE)
+            for drawn in [self.draw(view, instances, one) for one in (Pass.COLOR, Pass.FOG)]:
+                if drawn.left_out:
+                    raise Error(drawn.first_left_out_result, "instance %d cannot be drawn: %s" % (
+                        drawn.first_left_out, drawn.first_left_out_text), drawn.first_left_out, Unit.INSTANCE)
             if not self._feed():
                 return self._canvas.pixels()
 
     def _feed(self) -> bool:
         """Loads and sends what the draws asked for. False: there was nothing."""
         sent = self.upload(1 << 30).bytes_uploaded
-        loaded = [asset for asset in self._assets if asset.pump()]
+        loaded = [asset for asset in self._assets if asset._finalizer.alive and asset.pump()]
         while any(asset.pump() for asset in loaded):
             pass
         return bool(sent + self.upload(1 << 30).bytes_uploaded or loaded)
@@ -1585,6 +1596,7 @@ class Canvas:
             raise ClosedError(Result.HANDLE, "the canvas was closed")
         if self._thread != threading.get_ident():
             raise Error(Result.WRONG_THREAD, "the canvas belongs to another thread")
+        self._egl.eglBindAPI(0x30A2)  # OpenGL, which is this thread's choice
         if self._egl.eglGetCurrentContext() != self._context and not self._egl.eglMakeCurrent(
                 self._display, None, None, self._context):
             raise Error(Result.GRAPHICS, "the canvas cannot become current: call release() on the thread "

@@ -119,6 +119,10 @@ class Closed(BadInput):
         self.closed(second.draw, self.view, self.plant)
         self.closed(second.picture, self.view, self.plant)
         second.upload(1 << 20)
+        second.remove(self.asset)  # it was closed; from now on the others are drawn
+        with kelp.Asset(PACK) as other:
+            second.add(other)
+            second.picture(self.view, kelp.Instance(other))
         canvas.close()
         canvas.close()
         for call in (lambda: second.upload(0), canvas.pixels, canvas.clear, canvas.depth, canvas.release,
@@ -272,6 +276,25 @@ class Threads(BadInput):
         self.fails(ValueError, "gave 1", kelp.Asset, Source(lambda count: b"x"))
         self.fails(TypeError, "", kelp.Asset, Source(lambda count: 5))
         self.code(kelp.Result.NOT_YET, kelp.Asset, Source(lambda count: None))
+
+        class Net:
+            def __init__(self):
+                with open(PACK, "rb") as file:
+                    self.data, self.down = file.read(), False
+                self.size = len(self.data)
+
+            def read(self, offset, count):
+                if self.down:
+                    raise OSError("the net is down at %d" % offset)
+                return self.data[offset:offset + count]
+
+        net = Net()
+        asset = kelp.Asset(net)
+        net.down = True
+        self.fails(OSError, "the net is down", asset.load_all)
+        net.down = False
+        asset.retry()
+        asset.load_all()  # an older exception is not raised again
         canvas = self.canvas()
         self.fails(ZeroDivisionError, "", kelp.Renderer, lambda name: 1 // 0)
         self.code(kelp.Result.GRAPHICS, kelp.Renderer, lambda name: None)
@@ -336,6 +359,10 @@ class Arguments(BadInput):
                      lambda: kelp.distance(self.plant, (float("nan"), 0, 0)),
                      lambda: kelp.closest_point(self.plant, ZERO, reach=-1)):
             self.code(kelp.Result.MISUSE, call)
+        self.fails(ValueError, "one for each part", self.pose.blend, kelp.Pose(self.asset), 1, [])
+        self.fails(ValueError, "null character", self.asset.find_clip, "sway\0")
+        self.fails(ValueError, "null character", kelp.Asset, PACK + "\0x")
+        self.assertEqual(1, [kelp.Instance(self.asset), self.plant].index(self.plant))
         # Numbers that C would cut off.
         self.fails(ValueError, "out of range", self.pose.knots, 1 << 32)
         self.fails(ValueError, "out of range", kelp.Asset, PACK, memory_budget=-1)

@@ -100,6 +100,16 @@ TEST_P(SilenceTest, OutOfViewIsNotTooSmall) {
   EXPECT_EQ(renderer->draw(wide, three)->instances, 2u);
 }
 
+TEST_P(SilenceTest, AnAssetThatIsRemovedIsNotPending) {
+  const auto renderer = makeRenderer(*loaded_.asset);
+  const LoadedAsset other(plate());
+  ASSERT_TRUE(renderer->add(*other.asset));
+  const Canvas canvas(kSize);
+  EXPECT_GT(renderer->draw(view(), {})->pending, 0u);
+  renderer->remove(*other.asset);
+  EXPECT_EQ(renderer->draw(view(), {})->pending, 0u);
+}
+
 TEST_P(SilenceTest, APassForOtherPartsSaysSo) {
   const Canvas canvas(kSize);
   const LoadedAsset fog(fogPack(fogOf({16, 16, 16}, [](const glm::dvec3&) { return 1.0; }), 0.2f));

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 # KELP_FETCH_DEPENDENCIES: downloads the dependencies of the runtime whose targets the host does not bring, in
-# the versions of Debian 12. Their own CMake projects do not run: no option, target or rule of theirs reaches
-# the host. FETCHCONTENT_SOURCE_DIR_GLM, _ZSTD and _XXHASH name local copies.
+# the versions of Debian 12. Their own CMake projects do not run, and a host may fetch the same ones for itself:
+# no option, target, rule or name of theirs is taken. FETCHCONTENT_SOURCE_DIR_KELP_GLM, _KELP_ZSTD_SOURCE and
+# _KELP_XXHASH name local copies.
 include(FetchContent)
 
 # kelp_fetch(NAME URL SHA256): sets NAME_SOURCE_DIR.
@@ -12,30 +13,30 @@ macro(kelp_fetch name url hash)
 endmacro()
 
 if(NOT TARGET glm::glm)
-  kelp_fetch(glm https://github.com/g-truc/glm/releases/download/0.9.9.8/glm-0.9.9.8.zip
+  kelp_fetch(kelp_glm https://github.com/g-truc/glm/releases/download/0.9.9.8/glm-0.9.9.8.zip
     37e2a3d62ea3322e43593c34bae29f57e3e251ea89f4067506c94043769ade4c)
   add_library(kelp_deps::glm INTERFACE IMPORTED)
-  target_include_directories(kelp_deps::glm INTERFACE "${glm_SOURCE_DIR}")
+  target_include_directories(kelp_deps::glm INTERFACE "${kelp_glm_SOURCE_DIR}")
 endif()
 
 if(NOT TARGET xxHash::xxhash)
-  kelp_fetch(xxhash https://github.com/Cyan4973/xxHash/archive/refs/tags/v0.8.1.tar.gz
+  kelp_fetch(kelp_xxhash https://github.com/Cyan4973/xxHash/archive/refs/tags/v0.8.1.tar.gz
     3bb6b7d6f30c591dd65aaaff1c8b7a5b94d81687998ca9400082c739a690436c)
   add_library(kelp_deps::xxhash INTERFACE IMPORTED)
-  target_include_directories(kelp_deps::xxhash INTERFACE "${xxhash_SOURCE_DIR}")
+  target_include_directories(kelp_deps::xxhash INTERFACE "${kelp_xxhash_SOURCE_DIR}")
 endif()
 
 if(NOT TARGET zstd::libzstd_static AND NOT TARGET zstd::libzstd AND NOT TARGET zstd::libzstd_shared AND
    NOT TARGET libzstd_static AND NOT TARGET libzstd_shared)
   enable_language(C)
-  kelp_fetch(zstd https://github.com/facebook/zstd/releases/download/v1.5.4/zstd-1.5.4.tar.gz
+  kelp_fetch(kelp_zstd_source https://github.com/facebook/zstd/releases/download/v1.5.4/zstd-1.5.4.tar.gz
     0f470992aedad543126d06efab344dc5f3e171893810455787d38347343a4424)
-  file(GLOB sources "${zstd_SOURCE_DIR}/lib/common/*.c" "${zstd_SOURCE_DIR}/lib/compress/*.c"
-    "${zstd_SOURCE_DIR}/lib/decompress/*.c")
+  file(GLOB sources "${kelp_zstd_source_SOURCE_DIR}/lib/common/*.c" "${kelp_zstd_source_SOURCE_DIR}/lib/compress/*.c"
+    "${kelp_zstd_source_SOURCE_DIR}/lib/decompress/*.c")
   add_library(kelp_zstd STATIC EXCLUDE_FROM_ALL ${sources})
   set_target_properties(kelp_zstd PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD OFF)
   target_compile_definitions(kelp_zstd PRIVATE ZSTD_DISABLE_ASM)  # only the sources in C
   add_library(kelp_deps::zstd INTERFACE IMPORTED)
   target_link_libraries(kelp_deps::zstd INTERFACE kelp_zstd)
-  target_include_directories(kelp_deps::zstd INTERFACE "${zstd_SOURCE_DIR}/lib")
+  target_include_directories(kelp_deps::zstd INTERFACE "${kelp_zstd_source_SOURCE_DIR}/lib")
 endif()

@@ -73,12 +73,13 @@ const runtime::Instance* DrawList::clampIfUnsound(const Frame& frame, const runt
 // A part is seen of which nothing is on the GPU: says so where the host has forgotten something.
 void DrawList::tellWaiting(ResidentAsset& asset, bool uploaded) const {
   const bool pumped = runtime::PageAccess::wasPumped(*asset.asset);
-  if (!log_.write || asset.told_waiting || (pumped && uploaded)) return;
+  bool& told = pumped ? asset.told_unsent : asset.told_unpumped;
+  if (!log_.write || told || (pumped && uploaded)) return;
   char text[256];
   std::snprintf(text, sizeof text, "%.128s: nothing %s\n", runtime::PageAccess::name(*asset.asset),
                 pumped ? "on the GPU yet; call Renderer::upload()" : "in memory yet; call Asset::pump()");
   log_.write(log_.user, text);
-  asset.told_waiting = true;
+  told = true;
 }
 
 // Bounds eight parts. Parts whose pose cannot be drawn are bounded at rest, and left out.

@@ -287,13 +287,13 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
   }
   const auto projection = makeProjection(view);
   if (!projection) return projection.error();
+  if (self.api.CheckFramebufferStatus(kDrawFramebuffer) != kFramebufferComplete) return kIncomplete;
   const bool fog = pass == Pass::kFog;
   if (auto good =
           self.list.build(self.store, *projection, view, instances, fog ? PartKind::kFog : PartKind::kSolid);
       !good)
     return good.error();
   self.list.count(stats);
-  if (self.api.CheckFramebufferStatus(kDrawFramebuffer) != kFramebufferComplete) return kIncomplete;
   if (stats.instances == 0) return stats;
   const DebugGroup group(self.api, pass == Pass::kDepth ? "kelp depth" : fog ? "kelp fog" : "kelp draw");
   std::uint32_t batches = 1;

@@ -59,7 +59,8 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
   pool_.write(api, std::uint64_t{row} * Pool::kRowWords, tables.span());
 
   const std::size_t place = lowerBound(&asset);
-  pending_ += static_cast<std::uint32_t>(fresh->levels.size());
+  fresh->added = static_cast<std::uint32_t>(fresh->levels.size());
+  pending_ += fresh->added;
   std::copy_backward(assets_.begin() + place, assets_.begin() + count_, assets_.begin() + count_ + 1);
   assets_[place] = fresh.release();
   ++count_;
@@ -87,6 +88,7 @@ void Residency::remove(const runtime::Asset& asset) {
   const std::unique_ptr<ResidentAsset> gone(assets_[place]);
   forget(*gone);
   std::copy(assets_.begin() + place + 1, assets_.begin() + count_, assets_.begin() + place);
+  pending_ -= gone->added;
   if (--count_ == 0) pending_ = 0;
 }
 
@@ -183,13 +185,15 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
 
 Result<Residency::Progress> Residency::upload(const Api& api, std::uint64_t max_bytes) {
   for (ResidentAsset* asset : std::span(assets_.data(), count_)) {
+    asset->added = 0;
     if (asset->watch.alive()) {
       PageAccess::beginRequests(*asset->asset);
     } else {
       forget(*asset);
     }
   }
-  wants_read_ = uploaded_ = true;
+  wants_read_ = true;
+  uploaded_ = uploaded_ || max_bytes > 0;
   if (auto good = prioritize(); !good) return good.error();
   pool_.beginCount();
   byte_limit_ = max_bytes;

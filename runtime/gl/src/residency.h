@@ -84,7 +84,7 @@ class Residency {
   Buffer<Pool::Block> victims_;
   Transfer transfer_;
   std::uint32_t round_ = 0;  // of upload()
-  bool uploaded_ = false;    // upload() was called
+  bool uploaded_ = false;    // upload() may have sent something
   bool drawn_ = false;       // before the first draw everything is wanted
   bool wants_read_ = true;
 

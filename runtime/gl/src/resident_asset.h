@@ -62,7 +62,8 @@ struct ResidentAsset {
   std::span<const Part> packed;  // the asset's own
   std::uint32_t tables_row = 0;
   // The log has been told of an instance that cannot be drawn; that nothing is in memory, or on the GPU.
-  bool told_left_out = false, told_waiting = false;
+  bool told_left_out = false, told_unpumped = false, told_unsent = false;
+  std::uint32_t added = 0;  // levels that Residency::pending() counts since add()
   Buffer<ResidentPart> parts;
   Buffer<ResidentLevel*> levels;  // part by part, voxels, then distances, finest first; owned
 

@@ -22,15 +22,17 @@ static_assert(
         kSameLayout<glm::mat4, glm::mat<4, 4, float, glm::packed_highp>> &&
         kSameLayout<glm::ivec3, glm::vec<3, int, glm::packed_highp>>,
     "kelp needs GLM without GLM_FORCE_DEFAULT_ALIGNED_GENTYPES: remove it for all that includes kelp");
-#ifdef GLM_FORCE_QUAT_CTOR_XYZW
+// Between 0.9.9.8 and 1.0, GLM_FORCE_QUAT_DATA_XYZW turned the constructor around as well.
+#if defined(GLM_FORCE_QUAT_CTOR_XYZW) || defined(GLM_FORCE_QUAT_DATA_XYZW)
 inline constexpr bool kQuatTakesWFirst = false;
 #else
 inline constexpr bool kQuatTakesWFirst = true;
 #endif
-static_assert(kSameLayout<glm::quat, glm::qua<float, glm::packed_highp>> && offsetof(glm::quat, x) == 0 &&
-                  offsetof(glm::quat, w) == 12 && kQuatTakesWFirst,
-              "kelp needs GLM without GLM_FORCE_QUAT_DATA_WXYZ and GLM_FORCE_QUAT_CTOR_XYZW: remove them for "
-              "all that includes kelp");
+static_assert(
+    kSameLayout<glm::quat, glm::qua<float, glm::packed_highp>> && offsetof(glm::quat, x) == 0 &&
+        offsetof(glm::quat, w) == 12 && kQuatTakesWFirst,
+    "kelp needs GLM without GLM_FORCE_QUAT_DATA_WXYZ, _DATA_XYZW and _CTOR_XYZW (remove them for all "
+    "that includes kelp), in a version that stores x first, as 0.9.9.8 and 1.0 do");
 
 // An axis-aligned box. Empty when min > max on any axis (the default).
 struct Box {

@@ -57,8 +57,8 @@ class FileSource {
   ~FileSource();
 
   // path: in the system's encoding; UTF-8 on Windows. kIo if the file cannot be opened or is not a regular
-  // file; the text names it, has the system's reason, and is valid until the thread's next such error; errno
-  // is set. kMisuse if `path` is null. kOutOfMemory.
+  // file; the text names it, has the system's reason, and is valid until the thread's next such error or its
+  // end; errno is set. kMisuse if `path` is null. kOutOfMemory.
   static Result<FileSource> open(const char* path);
   Source source() const;
 

@@ -77,7 +77,7 @@ typedef struct kelp_stats {
   uint32_t too_small;   // of the culled parts: they cover fewer pixels than kelp_view.smallest_pixels
   uint32_t waiting;     // parts in view of which nothing is on the GPU yet: pump and upload
   uint32_t other_kind;  // instances without a part that this pass draws
-  uint32_t clamped;     // instances that were drawn with a clamped pose (kelp_instance.unsound)
+  uint32_t clamped;     // instances whose pose was clamped (kelp_instance.unsound)
 } kelp_stats;
 
 // Call it once a frame. Uploads at most max_bytes (0, or 4096 and more) of what the draws since the last call

@@ -204,7 +204,7 @@ struct Stats {
   std::uint32_t left_out = 0;
   // Why the first of them was; `offset` is its index in the list that was given.
   Error first_left_out;
-  std::uint32_t clamped = 0;  // instances that were drawn with a clamped pose (runtime::Instance::unsound)
+  std::uint32_t clamped = 0;  // instances whose pose was clamped (runtime::Instance::unsound)
   // Calls of OpenGL. Solids: one for sheared parts and one for swept ones (with Features::kDistances one for
   // both), or that times Quality::depth_batches at most. Fog: one for each run of parts that bend alike.
   std::uint32_t draws = 0;
@@ -215,10 +215,11 @@ struct Stats {
   std::uint32_t pending = 0;
 };
 
-// Owns GL objects of the context that was current in create(). Every call while another one is current, or
-// none, as on another thread, is kMisuse and does nothing; the destructor then leaves the objects to their
-// context. Destroy the renderer while its context is current, or call abandon() first. (The context is asked
-// for by eglGetCurrentContext, or that of GLX, WGL or CGL, where getProcAddress knows it.)
+// Owns GL objects of the context that was current in create(). While another one is current, or
+// none, as on another thread, add(), upload(), draw() and bindTrace() are kMisuse and do nothing, and the
+// destructor leaves the objects to their context. Destroy the renderer while its context is current, or call
+// abandon() first. (The context is asked for by eglGetCurrentContext, or that of GLX, WGL or CGL, where
+// getProcAddress knows it.)
 class Renderer {
  public:
   // kGraphics: no context is current, its version is below OpenGL 3.3 or ES 3.0, a function is missing, or a
