@@ -102,7 +102,7 @@ TEST_P(SilenceTest, OutOfViewIsNotTooSmall) {
 
 TEST_P(SilenceTest, AnAssetThatIsRemovedIsNotPending) {
   const auto renderer = makeRenderer(*loaded_.asset);
-  const LoadedAsset other(plate());
+  const LoadedAsset other(pack_);
   ASSERT_TRUE(renderer->add(*other.asset));
   const Canvas canvas(kSize);
   EXPECT_GT(renderer->draw(view(), {})->pending, 0u);

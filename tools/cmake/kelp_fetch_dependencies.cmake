@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # KELP_FETCH_DEPENDENCIES: downloads the dependencies of the runtime whose targets the host does not bring, in
-# the versions of Debian 12. Their own CMake projects do not run, and a host may fetch the same ones for itself:
-# no option, target, rule or name of theirs is taken. FETCHCONTENT_SOURCE_DIR_KELP_GLM, _KELP_ZSTD_SOURCE and
+# the versions of Debian 12. Their own CMake projects do not run, and no name of theirs is taken: a host may
+# fetch the same ones for itself. FETCHCONTENT_SOURCE_DIR_KELP_GLM, _KELP_ZSTD and
 # _KELP_XXHASH name local copies.
 include(FetchContent)
 
@@ -29,14 +29,14 @@ endif()
 if(NOT TARGET zstd::libzstd_static AND NOT TARGET zstd::libzstd AND NOT TARGET zstd::libzstd_shared AND
    NOT TARGET libzstd_static AND NOT TARGET libzstd_shared)
   enable_language(C)
-  kelp_fetch(kelp_zstd_source https://github.com/facebook/zstd/releases/download/v1.5.4/zstd-1.5.4.tar.gz
+  kelp_fetch(kelp_zstd https://github.com/facebook/zstd/releases/download/v1.5.4/zstd-1.5.4.tar.gz
     0f470992aedad543126d06efab344dc5f3e171893810455787d38347343a4424)
-  file(GLOB sources "${kelp_zstd_source_SOURCE_DIR}/lib/common/*.c" "${kelp_zstd_source_SOURCE_DIR}/lib/compress/*.c"
-    "${kelp_zstd_source_SOURCE_DIR}/lib/decompress/*.c")
+  file(GLOB sources "${kelp_zstd_SOURCE_DIR}/lib/common/*.c"
+    "${kelp_zstd_SOURCE_DIR}/lib/compress/*.c" "${kelp_zstd_SOURCE_DIR}/lib/decompress/*.c")
   add_library(kelp_zstd STATIC EXCLUDE_FROM_ALL ${sources})
   set_target_properties(kelp_zstd PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD OFF)
   target_compile_definitions(kelp_zstd PRIVATE ZSTD_DISABLE_ASM)  # only the sources in C
   add_library(kelp_deps::zstd INTERFACE IMPORTED)
   target_link_libraries(kelp_deps::zstd INTERFACE kelp_zstd)
-  target_include_directories(kelp_deps::zstd INTERFACE "${kelp_zstd_source_SOURCE_DIR}/lib")
+  target_include_directories(kelp_deps::zstd INTERFACE "${kelp_zstd_SOURCE_DIR}/lib")
 endif()
