@@ -66,6 +66,7 @@ std::unique_ptr<gl::Renderer> GlTest::makeRenderer(const runtime::Asset& asset, 
   config.getProcAddress = EglContext::getProcAddress;
   config.surface_glsl = surface;
   if (!config.log) config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
+  if (config.gpu_budget == gl::RendererOptions{}.gpu_budget) config.gpu_budget = kGpuBudget;
   auto renderer = gl::Renderer::create(config);
   if (!renderer) {
     ADD_FAILURE() << renderer.error().detail;

@@ -60,6 +60,9 @@ struct LoadedAsset {
 inline constexpr char kVoxelSurface[] =
     "vec4 kelpSurface(KelpSurface s) { return vec4(vec3(s.voxel), 255.0 - float(s.level)) / 255.0; }\n";
 
+// Of the tests' renderers: more than their packs need. A software renderer clears all of it in every test.
+inline constexpr std::uint64_t kGpuBudget = std::uint64_t{64} << 20;
+
 class GlTest : public testing::TestWithParam<GlApi> {
  protected:
   void SetUp() override;

@@ -26,6 +26,7 @@ class Host {
     canvas_.emplace(kPixels);
     gl::RendererOptions config;
     config.getProcAddress = WatchedGl::getProcAddress;
+    config.gpu_budget = kGpuBudget;
     config.surface_glsl = kVoxelSurface;
     auto created = gl::Renderer::create(config);
     EXPECT_TRUE(created);
@@ -185,6 +186,7 @@ class LifeTest : public GlTest {
   static gl::RendererOptions watchedConfig() {
     gl::RendererOptions config;
     config.getProcAddress = WatchedGl::getProcAddress;
+    config.gpu_budget = kGpuBudget;
     config.surface_glsl = kVoxelSurface;
     return config;
   }

@@ -55,6 +55,7 @@ class DebugTest : public testing::TestWithParam<GlApi> {
     const Canvas canvas({80, 60});
     gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
+    config.gpu_budget = kGpuBudget;
     config.surface_glsl = surface;
     config.state = state;
     const auto created = gl::Renderer::create(config);
@@ -117,6 +118,7 @@ TEST_P(DebugTest, NothingIsComplainedOf) {
 TEST_P(DebugTest, ObjectsHaveLabels) {
   gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
+  config.gpu_budget = kGpuBudget;
   const Canvas canvas({80, 60});
   // Objects of each kind that are there now, without their labels.
   const std::pair<GLenum, GLboolean (*)(GLuint)> kinds[] = {{GL_TEXTURE, glIsTexture},

@@ -115,6 +115,7 @@ inline void expectCoarserUntilLoaded(gl::Renderer& all, runtime::Asset& asset) {
   };
   gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
+  config.gpu_budget = kGpuBudget;
   const auto slow = gl::Renderer::create(config);
   ASSERT_TRUE(slow && (*slow)->add(asset));
   int seen = 0;

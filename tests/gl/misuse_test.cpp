@@ -211,6 +211,7 @@ TEST_P(MisuseTest, NoContextIsAnError) {
   context_.reset();
   gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
+  config.gpu_budget = kGpuBudget;
   const auto created = gl::Renderer::create(config);
   ASSERT_FALSE(created);
   EXPECT_EQ(created.error().code, ErrorCode::kGraphics);
@@ -221,6 +222,7 @@ TEST_P(MisuseTest, ASurfaceThatDoesNotCompileIsExplained) {
   said.clear();
   gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
+  config.gpu_budget = kGpuBudget;
   config.log = [](void*, const char* text) { said = text; };
   config.surface_glsl = "vec4 kelpSurface(KelpSurface s) {\n  return s.nonsense;\n}\n";
   const auto created = gl::Renderer::create(config);

@@ -34,6 +34,7 @@ class RealFog : public testing::Test {
   static std::unique_ptr<gl::Renderer> rendererOf(const runtime::Asset& asset) {
     gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
+    config.gpu_budget = kGpuBudget;
     auto renderer = gl::Renderer::create(config);
     EXPECT_TRUE(renderer && (*renderer)->add(asset) && (*renderer)->upload(~std::uint64_t{0}));
     return *std::move(renderer);

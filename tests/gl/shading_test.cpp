@@ -418,6 +418,7 @@ TEST(Shading, IsOneOnDesktopAndEmbedded) {
     const Canvas canvas({160, 160});
     gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
+    config.gpu_budget = kGpuBudget;
     const auto renderer = gl::Renderer::create(config);
     ASSERT_TRUE(renderer);
     ASSERT_TRUE((*renderer)->add(*loaded.asset));

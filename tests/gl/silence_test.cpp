@@ -21,6 +21,7 @@ class SilenceTest : public GlTest {
     said.clear();
     gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
+    config.gpu_budget = kGpuBudget;
     config.log = [](void*, const char* text) { said.push_back(text); };
     return std::move(gl::Renderer::create(config)).value();
   }

@@ -35,6 +35,7 @@ class StateTest : public GlTest {
   void callEverything(gl::State state, const gl::View& view, const After& after) const {
     gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
+    config.gpu_budget = kGpuBudget;
     config.surface_glsl = "vec4 kelpSurface(KelpSurface s) { return nonsense; }\n";
     config.state = state;
     EXPECT_FALSE(gl::Renderer::create(config));
@@ -377,6 +378,7 @@ TEST_P(StateTest, TheHostsOwnErrorIsNotTakenForKelps) {
   glEnable(0xdead);
   gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
+  config.gpu_budget = kGpuBudget;
   EXPECT_TRUE(gl::Renderer::create(config));
 }
 
@@ -441,6 +443,7 @@ TEST_P(StateTest, ConditionalRenderingIsObeyed) {
   const std::vector<Pixel> expected = expectedPicture(canvas, view);
   gl::RendererOptions config;
   config.getProcAddress = EglContext::getProcAddress;
+  config.gpu_budget = kGpuBudget;
   config.surface_glsl = kVoxelSurface;
   GLuint query = 0;
   glGenQueries(1, &query);

@@ -108,6 +108,7 @@ std::unique_ptr<gl::Renderer> createRenderer(gl::RendererOptions config) {
         std::string(text).find(": nothing ") != std::string::npos;  // drawn before it is loaded
     EXPECT_TRUE(waits) << text;
   };
+  if (config.gpu_budget == gl::RendererOptions{}.gpu_budget) config.gpu_budget = kGpuBudget;
   auto renderer = gl::Renderer::create(config);
   if (!renderer) {
     ADD_FAILURE() << renderer.error().detail;

@@ -123,6 +123,7 @@ class TwoApisTest : public testing::Test {
     const Scenes scenes;
     gl::RendererOptions config;
     config.getProcAddress = EglContext::getProcAddress;
+    config.gpu_budget = kGpuBudget;
     config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
     const auto shaded = gl::Renderer::create(config);
     config.surface_glsl =

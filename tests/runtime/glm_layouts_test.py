@@ -19,10 +19,10 @@ def compiles(folder, cxx, glm, macro):
     with tempfile.TemporaryDirectory() as scratch:
         source = os.path.join(scratch, "host.cpp")
         with open(source, "w", encoding="utf-8") as file:
-            file.write('#include "kelp/runtime/instance.h"\n')
+            file.write('#include "kelp/formats/geometry.h"\n')
         command = [cxx, "-std=gnu++20", "-fsyntax-only", source]
         command += ["-D" + name for name in macro.split()]
-        for include in [folder + "/formats/include", folder + "/runtime/include"] + glm:
+        for include in [folder + "/formats/include"] + glm:
             command += ["-I", include]
         done = subprocess.run(command, capture_output=True, text=True)
         return done.returncode == 0, done.stderr
