@@ -2,7 +2,6 @@
 // The error for a name that a pack does not have: it lists those that it has.
 #pragma once
 
-#include <cstring>
 #include <span>
 #include <string_view>
 
@@ -38,10 +37,7 @@ class AbsentName {
 
  private:
   static constexpr std::size_t kMostBytes = 1024;
-  void add(std::string_view text) {
-    std::memcpy(text_.data() + used_, text.data(), text.size());
-    used_ += text.size();
-  }
+  void add(std::string_view text) { used_ += text.copy(text_.data() + used_, text.size()); }
   Buffer<char> text_;
   std::size_t used_ = 0;
 };
