@@ -137,7 +137,7 @@ class Play(enum.IntEnum):
 
 
 class Unsound(enum.IntEnum):
-    """What a draw does with an instance whose pose Pose.check() refuses."""
+    """How draws treat an instance whose pose Pose.check() refuses."""
     LEAVE_OUT = 0
     CLAMP = 1
 

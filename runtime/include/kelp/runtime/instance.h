@@ -13,7 +13,7 @@
 
 namespace kelp::runtime {
 
-// What a draw does with an instance whose pose Pose::check() refuses.
+// How draws treat an instance whose pose Pose::check() refuses.
 enum class Unsound : std::uint8_t {
   kLeaveOut,  // it is not drawn
   kClamp,     // it is drawn as Pose::clamp() makes it; left out if its knots are no finite numbers

@@ -11,7 +11,7 @@
 
 #include "kelp/c/pose.h"
 
-// What a draw does with an instance whose pose kelp_pose_check refuses.
+// How draws treat an instance whose pose kelp_pose_check refuses.
 typedef int32_t kelp_unsound;
 enum {
   KELP_UNSOUND_LEAVE_OUT = 0,  // it is not drawn
