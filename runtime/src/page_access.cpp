@@ -89,7 +89,11 @@ PinnedPage& PinnedPage::operator=(PinnedPage&& other) noexcept {
 }
 
 PinnedPage::~PinnedPage() {
-  if (pins_) static_cast<std::atomic<std::uint32_t>*>(pins_)->fetch_sub(1, std::memory_order_release);
+  if (pins_) PageAccess::unpin(pins_);
+}
+
+void PageAccess::unpin(void* taken) {
+  static_cast<std::atomic<std::uint32_t>*>(taken)->fetch_sub(1, std::memory_order_release);
 }
 
 }  // namespace kelp::runtime

@@ -38,7 +38,7 @@ bool meets(const dvec3 (&corners)[3], const dvec3& d) {
 
 // That of one of eight parts; the others have their eyes elsewhere.
 std::uint32_t outlineOf(const glm::vec4& eye, const Box& bounds, std::size_t which) {
-  gl::PlacedParts placed;
+  draw::PlacedParts placed;
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t part = 0; part < 8; ++part) {
       placed.bounds.min[axis].of[part] = bounds.min[axis];
@@ -47,7 +47,7 @@ std::uint32_t outlineOf(const glm::vec4& eye, const Box& bounds, std::size_t whi
     }
   }
   std::uint32_t outlines[8];
-  gl::outlineParts(eye.w == 0, placed, outlines);
+  draw::outlineParts(eye.w == 0, placed, outlines);
   return outlines[which];
 }
 

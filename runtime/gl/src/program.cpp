@@ -33,7 +33,7 @@ constexpr char kShearedDefine[] = "#define KELP_SWEPT false\n", kSweptDefine[] =
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
 template <class GetLog>
-void passLog(const LogSink& sink, std::int32_t length, GetLog&& get) {
+void passLog(const Log& sink, std::int32_t length, GetLog&& get) {
   if (!sink.write) return;
   const auto size = static_cast<std::size_t>(length > 0 ? length : 0) + 1;
   const std::unique_ptr<char[]> text(new (std::nothrow) char[size]());
@@ -43,7 +43,7 @@ void passLog(const LogSink& sink, std::int32_t length, GetLog&& get) {
 }
 
 template <std::size_t kCount>
-Name compile(const Api& api, Enum kind, const char* const (&strings)[kCount], const LogSink& log) {
+Name compile(const Api& api, Enum kind, const char* const (&strings)[kCount], const Log& log) {
   const Name shader = api.CreateShader(kind);
   api.ShaderSource(shader, static_cast<std::int32_t>(kCount), strings, nullptr);
   api.CompileShader(shader);
@@ -58,7 +58,7 @@ Name compile(const Api& api, Enum kind, const char* const (&strings)[kCount], co
   return 0;
 }
 
-Name link(const Api& api, Name vertex, Name fragment, const LogSink& log) {
+Name link(const Api& api, Name vertex, Name fragment, const Log& log) {
   const Name program = api.CreateProgram();
   api.AttachShader(program, vertex);
   api.AttachShader(program, fragment);
@@ -124,7 +124,7 @@ namespace {
 template <std::size_t kVertexCount, std::size_t kFragmentCount>
 Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCount],
                       const char* const (&fragment_text)[kFragmentCount], const char* name_label,
-                      const LogSink& log) {
+                      const Log& log) {
   const Name vertex = compile(api, kVertexShader, vertex_text, log);
   const Name fragment = vertex ? compile(api, kFragmentShader, fragment_text, log) : 0;
   const Name name = fragment ? link(api, vertex, fragment, log) : 0;
@@ -157,7 +157,7 @@ Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCo
 }  // namespace
 
 Result<Program> buildProgram(const Api& api, const char* surface, Features features, Bend bend,
-                             const LogSink& log) {
+                             const Log& log) {
   const char* const look = surface                                   ? "#define KELP_HOST_SURFACE\n"
                            : has(features, Features::kSecondaryRays) ? kRaysDefine
                                                                      : "";
@@ -178,7 +178,7 @@ Result<Program> buildProgram(const Api& api, const char* surface, Features featu
   return build(api, vertex_text, fragment_text, "kelp program", log);
 }
 
-Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const LogSink& log) {
+Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const Log& log) {
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
   const bool swept = bend == Bend::kSweep;
   const char* const vertex_text[] = {prelude, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};

@@ -9,12 +9,6 @@
 
 namespace kelp::gl {
 
-// Gets the message of the GLSL compiler or linker about a program that was refused.
-struct LogSink {
-  void (*write)(void* user, const char* text) = nullptr;
-  void* user = nullptr;
-};
-
 // Texture units of the samplers.
 enum Unit : std::int32_t { kPool, kRecords, kScene };
 
@@ -29,9 +23,9 @@ struct Program {
 // Compiles, links and binds the program, and sets the units of its samplers. `surface`: the host's
 // kelpSurface. Null: kelp's own. For parts that bend so; where distances shade, for all.
 Result<Program> buildProgram(const Api& api, const char* surface, Features features, Bend bend,
-                             const LogSink& log);
+                             const Log& log);
 // A program for fog that bends so: for parts that have heat too, or with the sun's shadow of fog on itself.
-Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const LogSink& log);
+Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const Log& log);
 
 // The text of kelp::gl::Renderer::traceGlsl().
 using TraceStrings = std::array<const char*, 15>;

@@ -3,15 +3,15 @@
 
 #include <algorithm>
 
-#include "draw_list.h"
+#include "kelp/draw/planner.h"
 
 namespace kelp::gl {
 
 using namespace constant;
 
 Result<void> uploadRecords(const Api& api, RecordTextures& textures, std::span<const glm::uvec4> records) {
-  constexpr auto kWidth = static_cast<std::int32_t>(DrawList::kRecordWidth);
-  const std::size_t rows = records.size() / DrawList::kRecordWidth;
+  constexpr auto kWidth = static_cast<std::int32_t>(draw::kRecordWidth);
+  const std::size_t rows = records.size() / draw::kRecordWidth;
   const auto most = static_cast<std::size_t>(api.max_texture_size);
   if (rows > most) return Error{ErrorCode::kLimit, "more instances than a texture of this context holds"};
   if (rows > textures.rows) {

@@ -19,7 +19,7 @@ struct RecordTextures {
   int now = 0;
 };
 
-// Within an UploadGuard. `records`: rows of DrawList::kRecordWidth texels.
+// Within an UploadGuard. `records`: rows of draw::kRecordWidth texels.
 Result<void> uploadRecords(const Api& api, RecordTextures& textures, std::span<const glm::uvec4> records);
 
 }  // namespace kelp::gl

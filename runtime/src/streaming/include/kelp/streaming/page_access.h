@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "kelp/runtime/asset.h"
 #include "kelp/runtime/level.h"
@@ -65,6 +66,9 @@ struct PageAccess {
   static void request(const Asset& asset, const LevelId& id, float urgency);
   // The page if it is in memory. Else an empty PinnedPage, and the page is requested.
   static PinnedPage pin(const Asset& asset, const LevelId& id, std::uint32_t page, float urgency);
+  // Takes over what keeps a page in memory; unpin() lets it go, unless the asset is gone.
+  static void* take(PinnedPage page) { return std::exchange(page.pins_, nullptr); }
+  static void unpin(void* taken);
   // True if the grid, or the page, cannot be loaded before the next retry(): loading it failed, or the asset
   // has no such level.
   static bool hasFailed(const Asset& asset, const LevelId& id);

@@ -10,7 +10,7 @@
 
 #include "placing.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 namespace {
 
 // Coarse arcs may fold where fine ones do not.
@@ -98,4 +98,4 @@ Result<void> makeDrawnArcs(std::span<const Knot> knots, PartKind kind, const glm
   return makeArcs(knots, size, roll, tolerance, chain);
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

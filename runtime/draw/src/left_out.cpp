@@ -7,7 +7,7 @@
 #include "draw_list.h"
 #include "record_spline.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 
 void DrawList::count(Stats& stats) const {
   stats.instances = parts();
@@ -165,4 +165,4 @@ void DrawList::dropLeftOut() {
       std::count_if(order_.begin(), end, [](const Ordered& ordered) { return ordered.key < kSweptLast; }));
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

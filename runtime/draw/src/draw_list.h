@@ -6,10 +6,9 @@
 
 #include "kelp/formats/sweep.h"
 #include "placing.h"
-#include "program.h"
 #include "residency.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 
 inline constexpr Error kNoMemoryForFrame{ErrorCode::kOutOfMemory, "no memory for the frame's draw list"};
 // A record's palette is that of its instance, and lies among the records.
@@ -22,9 +21,7 @@ inline constexpr std::uint32_t kSweptLast = 1u << 30, kSweptFog = 1;
 // Reused from frame to frame; allocates only to grow.
 class DrawList {
  public:
-  static constexpr std::size_t kRecordWidth = 1024;  // texels
-
-  DrawList(const Allocator& allocator, const LogSink& log)
+  DrawList(const Allocator& allocator, const Log& log)
       : log_(log),
         worlds_(allocator),
         order_(allocator),
@@ -125,7 +122,7 @@ class DrawList {
   PlacedParts placed_[kEights]{};
   ArcChain chain_;
   std::size_t waiting_ = 0;
-  LogSink log_;
+  Log log_;
   Buffer<glm::mat4> worlds_;  // part -> world of one instance that moves as a whole
   Buffer<Ordered> order_;     // the first count_
   Buffer<Ordered> sorted_;
@@ -157,4 +154,4 @@ class DrawList {
   std::size_t palette_count_ = 0, palette_texels_ = 0;
 };
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

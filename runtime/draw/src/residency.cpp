@@ -7,19 +7,20 @@
 #include <functional>
 #include <new>
 
-namespace kelp::gl {
+namespace kelp::draw {
 
 using runtime::PageAccess;
 
 Residency::~Residency() {
+  copied();
   for (const ResidentAsset* asset : std::span(assets_.data(), count_)) delete asset;
 }
 
-void Residency::clear(const Api* api) {
-  for (const ResidentAsset* asset : std::span(assets_.data(), count_)) delete asset;
-  count_ = 0;
-  transfer_ = {};
-  if (api) pool_.destroy(*api);
+Result<void> Residency::create(std::uint64_t pool_bytes) {
+  if (auto good = pool_.create(pool_bytes); !good) return good;
+  if (!reserve(0, 0)) return kNoMemory;
+  copy(Pool::kSolidBrick, kelp::kSolidBrick, 0);
+  return {};
 }
 
 std::size_t Residency::lowerBound(const runtime::Asset* asset) const {
@@ -35,7 +36,7 @@ int Residency::find(const runtime::Asset* asset) const {
   return place < count_ && assets_[place]->asset == asset ? static_cast<int>(place) : -1;
 }
 
-Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
+Result<void> Residency::add(const runtime::Asset& asset) {
   if (const int known = find(&asset); known >= 0) {
     if (alive(known)) return Error{ErrorCode::kMisuse, "the asset was added before"};
     remove(asset);  // another asset had this address, and was destroyed without remove()
@@ -47,16 +48,18 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
 
   if (!assets_.grow(count_ + 1)) return kNoMemory;
   const std::uint32_t rows = Pool::rowsFor(tables.size());
-  pool_.beginCount();
-  byte_limit_ = ~std::uint64_t{0};
-  later_ = false;
-  const std::uint32_t row = makeRoom(api, rows, kPinned);
+  beginCall(~std::uint64_t{0});
+  const std::uint32_t row = makeRoom(rows, kPinned);
+  copyChanges();
   if (row == 0)
     return Error{ErrorCode::kLimit,
                  "gpu_budget has no room left beside the coarsest levels of the other assets"};
-  if (!pool_.take({row, rows, nullptr, Pool::Block::kGrid})) return kNoMemory;
+  if (!copies_.reserve(1, tables.size()) || !pool_.take({row, rows, nullptr, Pool::Block::kGrid}))
+    return kNoMemory;
   fresh->tables_row = row;
-  pool_.write(api, std::uint64_t{row} * Pool::kRowWords, tables.span());
+  const std::span<std::uint32_t> words =
+      copies_.add(std::uint64_t{row} * Pool::kRowWords, tables.size(), pool_.lastRead(row, rows));
+  std::copy(tables.begin(), tables.end(), words.begin());
 
   const std::size_t place = lowerBound(&asset);
   fresh->added = static_cast<std::uint32_t>(fresh->levels.size());
@@ -85,6 +88,8 @@ void Residency::remove(const runtime::Asset& asset) {
   const int index = find(&asset);
   if (index < 0) return;
   const auto place = static_cast<std::size_t>(index);
+  copied();
+  copies_.clear();
   const std::unique_ptr<ResidentAsset> gone(assets_[place]);
   forget(*gone);
   std::copy(assets_.begin() + place + 1, assets_.begin() + count_, assets_.begin() + place);
@@ -92,7 +97,24 @@ void Residency::remove(const runtime::Asset& asset) {
   if (--count_ == 0) pending_ = 0;
 }
 
+// Forgets the copies of the call before.
+void Residency::beginCall(std::uint64_t max_bytes) {
+  copied();
+  copies_.clear();
+  written_ = 0;
+  byte_limit_ = max_bytes;
+  later_ = false;
+}
+
+void Residency::copied() {
+  for (const Pin& pin : std::span(pins_.data(), pin_count_)) {
+    if (pin.asset->watch.alive()) PageAccess::unpin(pin.pin);
+  }
+  pin_count_ = 0;
+}
+
 void Residency::beginWants() {
+  pool_.setFrame(pool_.frame() + 1);
   drawn_ = true;
   if (!wants_read_) return;
   wants_read_ = false;
@@ -134,7 +156,7 @@ Result<void> Residency::prioritize() {
 }
 
 // Uploads or requests what the level lacks. False: from here on nothing fits into the pool.
-bool Residency::advance(const Api& api, ResidentLevel& level) {
+bool Residency::advance(ResidentLevel& level) {
   const runtime::Asset& asset = *level.asset->asset;
   const runtime::Level* const data = level.content();
   const std::uint32_t grid_rows = Pool::rowsFor(data ? gridWords(*data) : cellCount(level.grid));
@@ -154,9 +176,9 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
     }
     const ResidentLevel* const coarser = level.asset->coarser(level);
     if (coarser && coarser->grid_row == 0) return true;  // wait for the coarser grid
-    if (transfer_.level || later_ || pool_.written() + kReserve >= byte_limit_) return ++pending_, true;
-    if (!begin(api, level, Pool::Block::kGrid, grid_rows)) return true;
-    if (!proceed(api)) return ++pending_, true;
+    if (transfer_.level || later_ || written_ + kReserve >= byte_limit_) return ++pending_, true;
+    if (!begin(level, Pool::Block::kGrid, grid_rows)) return true;
+    if (!proceed()) return ++pending_, true;
     if (level.grid_row == 0) return true;
   }
   if (level.complete()) {
@@ -176,14 +198,15 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
       if (!PageAccess::hasFailed(asset, level.id, page)) ++pending_;
       continue;
     }
-    const bool waits = transfer_.level || later_ || pool_.written() + kReserve >= byte_limit_;
-    if (waits || (begin(api, level, page, rows) && !proceed(api))) ++pending_;
+    const bool waits = transfer_.level || later_ || written_ + kReserve >= byte_limit_;
+    if (waits || (begin(level, page, rows) && !proceed())) ++pending_;
     if (level.grid_row == 0) return true;  // its own grid was dropped
   }
   return true;
 }
 
-Result<Residency::Progress> Residency::upload(const Api& api, std::uint64_t max_bytes) {
+Result<Residency::Progress> Residency::upload(std::uint64_t max_bytes) {
+  beginCall(max_bytes);
   for (ResidentAsset* asset : std::span(assets_.data(), count_)) {
     asset->added = 0;
     if (asset->watch.alive()) {
@@ -195,26 +218,26 @@ Result<Residency::Progress> Residency::upload(const Api& api, std::uint64_t max_
   wants_read_ = true;
   uploaded_ = uploaded_ || max_bytes > 0;
   if (auto good = prioritize(); !good) return good.error();
-  pool_.beginCount();
-  byte_limit_ = max_bytes;
   rows_left_ = pool_.rows() - 1;
   for (const ResidentAsset* asset : std::span(assets_.data(), count_)) {
     if (asset->tables_row != 0) rows_left_ -= pool_.rowsOf(asset->tables_row);
   }
   too_many_ = ~0u;
   pending_ = 0;
-  later_ = false;
   coarsest_fit_ = true;
   if (transfer_.level && !(transfer_.level->worth.priority() > 0)) cancel();  // no longer wanted
-  if (transfer_.level) (void)proceed(api);
+  if (transfer_.level) (void)proceed();
   for (std::size_t i = 0; i < queued_; ++i) {
     const std::uint64_t rows_before = rows_left_;
-    if (advance(api, *queue_[i])) continue;
+    if (advance(*queue_[i])) continue;
     if (queue_[i]->worth.priority() < kPinned) break;
     coarsest_fit_ = false;  // this part cannot be drawn; the others can
     rows_left_ = rows_before;
   }
-  return Progress{pool_.written(), pending_, coarsest_fit_};
+  copyChanges();
+  std::uint64_t bytes = 0;
+  for (const Copy& copy : copies()) bytes += copy.words.size_bytes();
+  return Progress{bytes, pending_, coarsest_fit_};
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

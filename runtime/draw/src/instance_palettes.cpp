@@ -2,7 +2,7 @@
 // The draw list's palettes of instances: they follow the records in the frame's texture.
 #include "draw_list.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 namespace {
 
 std::size_t texelsOf(std::span<const Material> materials) {
@@ -43,4 +43,4 @@ const Error* DrawList::writePalettes() {
   return nullptr;
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

@@ -11,7 +11,7 @@
 #include "kelp/formats/sweep.h"
 #include "kelp/runtime/instance.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 
 inline constexpr std::size_t kMotionTexels = 4;  // before the spline of the frame before
 
@@ -45,4 +45,4 @@ inline float rollOf(const Part& part, const runtime::Pose* pose, int index) {
   return part.roll + (pose ? pose->motion(index)->roll : 0.0f);
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

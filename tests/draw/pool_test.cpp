@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The pool's rows against a plain list of them: places are free, victims are the cheapest that make a place,
-// words go where they should.
+// The pool's rows against a plain list of them: places are free, victims are the cheapest that make a place.
 #include "pool.h"
 
 #include <gtest/gtest.h>
@@ -12,13 +11,12 @@
 #include <vector>
 
 #include "residency.h"
-#include "support/fake_gl.h"
 
 namespace kelp::test {
 namespace {
 
-using gl::Pool;
-using gl::ResidentLevel;
+using draw::Pool;
+using draw::ResidentLevel;
 
 // Row by row: who holds it; null: nobody.
 struct Model {
@@ -34,16 +32,12 @@ struct Model {
 class PoolTest : public testing::Test {
  protected:
   void SetUp() override {
-    FakeGl::current() = &fake_;
-    ASSERT_TRUE(gl::loadApi(FakeGl::getProcAddress, nullptr, api_));
-    ASSERT_TRUE(pool_.create(api_, kRows * Pool::kRowBytes));
+    ASSERT_TRUE(pool_.create(kRows * Pool::kRowBytes));
     ASSERT_EQ(pool_.rows(), kRows);
     model_.rows[0] = this;  // address 0 is nobody's
   }
 
   static constexpr std::uint32_t kRows = 200;
-  FakeGl fake_;
-  gl::Api api_;
   Pool pool_{Allocator{}};
   Model model_{kRows};
 };

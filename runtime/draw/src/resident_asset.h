@@ -11,7 +11,7 @@
 #include "pool.h"
 #include "worth.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 
 inline constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to keep account of an asset"};
 inline constexpr float kPinned = 1e30f;  // the priority of coarsest levels, which are never dropped
@@ -118,4 +118,4 @@ std::uint64_t pageEntry(const ResidentLevel& level, std::uint32_t page);
 Result<std::unique_ptr<ResidentAsset>> describe(const runtime::Asset& asset, bool distances,
                                                 const Allocator& allocator, Buffer<std::uint32_t>& tables);
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

@@ -6,7 +6,7 @@
 #include "detail.h"
 #include "kelp/simd/bound_knots.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 
 using simd::EightFloats;
 using simd::Lanes;
@@ -94,4 +94,4 @@ Detail detailAt(const View& view, float pixels, int levels);
 // True if an affine matrix is finite and invertible.
 bool isInvertible(const glm::mat4& matrix);
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

@@ -4,12 +4,12 @@
 #include <cstring>
 #include <new>
 
+#include "kelp/draw/view.h"
 #include "kelp/formats/fog.h"
 #include "kelp/formats/page.h"
-#include "kelp/gl/renderer.h"
 #include "kelp/runtime/level.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 namespace {
 
 constexpr std::uint32_t kTableComplete = 0x80000000u;
@@ -162,4 +162,4 @@ std::uint64_t poolBytes(const runtime::Asset& asset, Features features) {
   return (rows + Pool::rowsFor(table_words)) * Pool::kRowBytes;
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

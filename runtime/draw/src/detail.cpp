@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-namespace kelp::gl {
+namespace kelp::draw {
 namespace {
 
 bool isFinite(const glm::dmat4& m) {
@@ -56,4 +56,4 @@ bool drawsCoarser(const Detail& detail, const glm::ivec2& pixel) {
          detail.coarser;
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

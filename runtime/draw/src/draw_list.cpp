@@ -13,7 +13,7 @@
 
 #include "record_spline.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 namespace {
 
 constexpr std::size_t kHeadTexels = sizeof(RecordHead) / sizeof(glm::uvec4);  // of a record
@@ -385,4 +385,4 @@ Result<void> DrawList::writeOrder(PartKind kind) {
   return {};
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

@@ -3,9 +3,9 @@
 // the one or the other.
 #pragma once
 
-#include "kelp/gl/renderer.h"
+#include "kelp/draw/view.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 
 // A View, checked and prepared.
 struct Projection {
@@ -37,4 +37,4 @@ struct Detail {
 // True if that pixel draws the coarser level.
 bool drawsCoarser(const Detail& detail, const glm::ivec2& pixel);
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

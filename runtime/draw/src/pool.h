@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
-// The GPU memory of all voxels: one texture array of 32-bit words, allocated once. It is divided into blocks
-// of whole rows. When there is no free place, blocks of lower value are given back.
+// The layout of the pool, the GPU memory of all voxels: 32-bit words, divided into blocks of whole rows. When
+// there is no free place, blocks of lower value are given back.
 #pragma once
 
 #include <algorithm>
 #include <span>
 
-#include "gl_api.h"
 #include "kelp/formats/buffer.h"
 #include "kelp/formats/page.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 
 struct ResidentLevel;
 
@@ -18,7 +17,6 @@ class Pool {
  public:
   static constexpr std::uint32_t kRowWords = 1024;
   static constexpr std::uint32_t kRowBytes = kRowWords * sizeof(std::uint32_t);
-  static constexpr std::uint32_t kLayerRows = 1024;
   static constexpr std::uint64_t kLeast = 64 * kRowBytes;
   // Where kelp::kSolidBrick is, in row 0. Address 0 is nobody's.
   static constexpr std::uint32_t kSolidBrick = 4;
@@ -33,13 +31,10 @@ class Pool {
     std::uint32_t page = kGrid;
   };
 
-  explicit Pool(const Allocator& allocator) : blocks_(allocator), zeros_(allocator) {}
+  explicit Pool(const Allocator& allocator) : read_(allocator), blocks_(allocator) {}
 
-  // Allocates the texture: as many whole rows as `budget` and one texture array of the context hold. Within
-  // an UploadGuard.
-  Result<void> create(const Api& api, std::uint64_t budget);
-  void destroy(const Api& api);
-  Name texture() const { return texture_; }
+  // Whole rows, at least kLeast bytes.
+  Result<void> create(std::uint64_t bytes);
   std::uint32_t rows() const { return rows_; }
   std::uint64_t usedBytes() const { return std::uint64_t{used_} * kRowBytes; }
 
@@ -66,7 +61,7 @@ class Pool {
     for (std::size_t i = 0; i < count_; ++i) {
       const Block block = blocks_[i];
       if (goes(block)) {
-        used_ -= block.rows;
+        free(block);
         mayBeginAt(end);
       } else {
         end = block.row + block.rows;
@@ -77,12 +72,11 @@ class Pool {
   }
   std::uint32_t rowsOf(std::uint32_t row) const { return blockAt(row)->rows; }
 
-  // Copies words to `address`, the index of a word in the pool. Within an UploadGuard.
-  void write(const Api& api, std::uint64_t address, std::span<const std::uint32_t> words);
-  void writeZeros(const Api& api, std::uint64_t address, std::uint64_t words);
-  // Bytes written since beginCount().
-  std::uint64_t written() const { return written_; }
-  void beginCount() { written_ = 0; }
+  // The last draw that may read what is in these rows; 0: none.
+  std::uint64_t lastRead(std::uint32_t row, std::uint32_t rows) const;
+  // Draws are numbered; this is the last one's.
+  void setFrame(std::uint64_t frame) { frame_ = frame; }
+  std::uint64_t frame() const { return frame_; }
 
  private:
   Block* blockAt(std::uint32_t row) const;
@@ -90,15 +84,19 @@ class Pool {
     for (std::uint32_t& from : from_) from = std::min(from, row);
   }
 
-  Name texture_ = 0;
+  void free(const Block& block) {
+    used_ -= block.rows;
+    std::fill_n(read_.begin() + block.row, block.rows, frame_);
+  }
+
   std::uint32_t rows_ = 0;
   std::uint32_t used_ = 0;
-  std::uint64_t written_ = 0;
+  std::uint64_t frame_ = 0;
+  Buffer<std::uint64_t> read_;  // [row]: its last draw, when it was given back
   // [n]: no 2^n free rows begin before this row. It never lies inside a free run
   std::uint32_t from_[32] = {};
   std::size_t count_ = 0;
   Buffer<Block> blocks_;  // the first count_, ascending
-  Buffer<std::uint32_t> zeros_;
 };
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace kelp::gl {
+namespace kelp::draw {
 
 // A block is dropped only for one of this many times its value.
 inline constexpr float kWorthMoving = 1.25f;
@@ -69,4 +69,4 @@ inline void Worth::gotPlace(std::uint32_t round) {
   patience_ = static_cast<std::uint8_t>(std::clamp(2 * patience_, 1, kMostPatience));
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

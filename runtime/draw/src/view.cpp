@@ -8,7 +8,7 @@
 #include "placing.h"
 #include "record_spline.h"
 
-namespace kelp::gl {
+namespace kelp::draw {
 namespace {
 
 constexpr int kMostBatches = 16;
@@ -89,4 +89,4 @@ std::optional<int> levelAt(const View& view, const runtime::Instance& instance, 
   return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-namespace kelp::gl {
+namespace kelp::draw {
 namespace {
 
 // Added to the bounds on every side: a ray that meets a voxel in the box's very face must not be lost to
@@ -154,4 +154,4 @@ void outlineParts(bool orthographic, const PlacedParts& placed, std::uint32_t (&
   for (int part = 0; part < 8; ++part) outlines[part] = kOutlines[static_cast<std::size_t>(sides.of[part])];
 }
 
-}  // namespace kelp::gl
+}  // namespace kelp::draw

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "kelp/draw/planner.h"
+
+#include <cmath>
+#include <new>
+#include <utility>
+
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+
+#include "draw_list.h"
+
+namespace kelp::draw {
+namespace {
+
+constexpr std::uint64_t kLeastUpload = 4096;
+constexpr Error kNoMemoryForPlanner{ErrorCode::kOutOfMemory, "no memory for the renderer"};
+
+Uniforms uniformsOf(const View& view, Pass pass, Depth depth) {
+  const Quality& quality = view.quality;
+  Uniforms to;
+  to.sun_direction = glm::normalize(view.light.sun_direction);
+  to.sun_color = view.light.sun_color;
+  to.sky_color = view.light.sky_color;
+  to.ground_color = view.light.ground_color;
+  to.motion = view.camera.previous_world_to_clip != nullptr;
+  to.depth_only = pass == Pass::kDepth;
+  to.clip_low = view.camera.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f;
+  to.scene = depth == Depth::kNone ? 0 : view.camera.reversed_depth ? 2 : 1;
+  to.shading = static_cast<std::int32_t>(quality.shading);
+  to.self_shadow = quality.self_shadow;
+  to.occlusion_rays = quality.occlusion_rays;
+  to.occlusion_reach = quality.occlusion_reach;
+  to.sun_radius = std::tan(glm::radians(0.5f * quality.soft_shadows));
+  to.occlusion = quality.occlusion;
+  to.display = view.output == Output::kDisplay;
+  return to;
+}
+
+}  // namespace
+
+struct Planner::Impl {
+  explicit Impl(const PlannerOptions& options)
+      : features(options.features),
+        log(options.log),
+        store(options.allocator, has(options.features, Features::kDistances)),
+        list(options.allocator, options.log),
+        calls(options.allocator) {}
+
+  Features features;
+  Log log;
+  bool told_no_pixels = false;
+  Residency store;
+  DrawList list;
+  Buffer<Call> calls;
+
+  Stats stats() const {
+    Stats stats;
+    stats.gpu_bytes = store.pool().usedBytes();
+    stats.pending = store.pending();
+    return stats;
+  }
+  Result<DrawData> build(const View& view, runtime::Instances instances, Pass pass, Depth depth, Rays rays);
+  Result<std::size_t> listSolids(Depth depth, int batches);
+  Result<std::size_t> listFog(bool shadow, Depth depth);
+};
+
+Result<DrawData> Planner::Impl::build(const View& view, runtime::Instances instances, Pass pass, Depth depth,
+                                      Rays rays) {
+  if (auto good = checkView(view, features); !good) return good.error();
+  DrawData data;
+  data.stats = stats();
+  if (!hasPixels(view)) {
+    if (log.write && !std::exchange(told_no_pixels, true))
+      log.write(log.user, "kelp: Camera::viewport has no pixels, so nothing is drawn; this is told once\n");
+    return data;
+  }
+  const auto projection = makeProjection(view);
+  if (!projection) return projection.error();
+  const PartKind kind = pass == Pass::kFog ? PartKind::kFog : PartKind::kSolid;
+  if (auto good = list.build(store, *projection, view, instances, kind, rays); !good) return good.error();
+  list.count(data.stats);
+  data.frame = store.pool().frame();
+  data.uniforms = uniformsOf(view, pass, depth);
+  data.uniforms.first_instance = static_cast<std::int32_t>(list.firstNumber());
+  data.parts = list.parts();
+  if (data.parts > 0) data.records = list.records();
+  return data;
+}
+
+// Near to far, in batches of equal size; sheared parts first.
+Result<std::size_t> Planner::Impl::listSolids(Depth depth, int batches) {
+  const std::uint32_t all = list.parts();
+  const std::uint32_t most = depth == Depth::kCopied ? std::min(static_cast<std::uint32_t>(batches), all) : 1;
+  if (!calls.grow(2 * most)) return kNoMemoryForFrame;
+  std::size_t count = 0;
+  const auto add = [&](Program program, std::uint32_t begin, std::uint32_t end) {
+    const std::uint64_t parts = end - begin;
+    const std::uint32_t some = std::min(most, end - begin);
+    for (std::uint32_t batch = 0; batch < some; ++batch) {
+      const auto first = static_cast<std::uint32_t>(begin + parts * batch / some),
+                 last = static_cast<std::uint32_t>(begin + parts * (batch + 1) / some);
+      calls[count++] = {program, first, last - first, most > 1 && some > 1};
+    }
+  };
+  if (has(features, Features::kDistances)) {
+    add(Program::kEitherBend, 0, all);
+  } else {
+    add(Program::kSheared, 0, list.sheared());
+    add(Program::kSwept, list.sheared(), all);
+  }
+  return count;
+}
+
+// Far to near: as many as follow each other and bend alike in one call.
+Result<std::size_t> Planner::Impl::listFog(bool shadow, Depth depth) {
+  std::size_t count = 0;
+  for (std::uint32_t begin = 0, end = 0; begin < list.parts(); begin = end) {
+    const Bend bend = list.fogBend(begin);
+    while (end < list.parts() && list.fogBend(end) == bend) ++end;
+    if (!calls.grow(count + 1)) return kNoMemoryForFrame;
+    const Program program = Program::kFog | (bend == Bend::kSweep ? Program::kSwept : Program::kSheared) |
+                            (list.hasHeat(bend) ? Program::kFogHeat : Program::kSheared) |
+                            (shadow ? Program::kFogShadow : Program::kSheared);
+    calls[count] = {program, begin, end - begin, depth == Depth::kCopied && count == 0};
+    ++count;
+  }
+  return count;
+}
+
+Planner::Planner(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Planner::~Planner() = default;
+
+Result<std::unique_ptr<Planner>> Planner::create(const PlannerOptions& options) {
+  std::unique_ptr<Impl> impl(new (std::nothrow) Impl(options));
+  if (!impl) return kNoMemoryForPlanner;
+  if (auto good = impl->store.create(options.pool_bytes); !good) return good.error();
+  std::unique_ptr<Planner> planner(new (std::nothrow) Planner(std::move(impl)));
+  if (!planner) return kNoMemoryForPlanner;
+  return planner;
+}
+
+Result<void> Planner::add(const runtime::Asset& asset) { return impl_->store.add(asset); }
+void Planner::remove(const runtime::Asset& asset) { impl_->store.remove(asset); }
+
+std::uint32_t Planner::programs(const runtime::Asset& asset) const {
+  std::uint32_t set = 0;
+  const auto add = [&set](Program program) { set |= 1u << static_cast<int>(program); };
+  const bool distances = has(impl_->features, Features::kDistances);
+  add(distances ? Program::kEitherBend : Program::kSheared);
+  for (const Part& part : asset.pack().parts()) {
+    const Program bend = part.bend == Bend::kSweep ? Program::kSwept : Program::kSheared;
+    if (part.kind == PartKind::kSolid && !distances) add(bend);
+    if (!part.fog) continue;
+    const Program fog =
+        Program::kFog | bend | (part.fog->channels() > 1 ? Program::kFogHeat : Program::kSheared);
+    add(fog);
+    if (has(impl_->features, Features::kSecondaryRays)) add(fog | Program::kFogShadow);
+  }
+  return set;
+}
+
+Result<Stats> Planner::upload(std::uint64_t max_bytes) {
+  if (max_bytes > 0 && max_bytes < kLeastUpload)
+    return Error{ErrorCode::kMisuse,
+                 "max_bytes is below 4096, and an upload might never end; 0 uploads nothing"};
+  const auto progress = impl_->store.upload(max_bytes);
+  if (!progress) return progress.error();
+  if (!progress->coarsest_fit)
+    return Error{ErrorCode::kLimit,
+                 "gpu_budget is too small for the coarsest levels of all assets: some are not drawn"};
+  Stats stats = impl_->stats();
+  stats.bytes_uploaded = progress->bytes;
+  return stats;
+}
+
+std::span<const Copy> Planner::copies() const { return impl_->store.copies(); }
+void Planner::copied() { impl_->store.copied(); }
+
+Result<DrawData> Planner::draw(const View& view, runtime::Instances instances, Pass pass, Depth depth) {
+  Impl& self = *impl_;
+  auto data = self.build(view, instances, pass, depth, Rays::kView);
+  if (!data || data->parts == 0) return data;
+  const auto count = pass == Pass::kFog ? self.listFog(view.quality.self_shadow, depth)
+                                        : self.listSolids(depth, view.quality.depth_batches);
+  if (!count) return count.error();
+  data->calls = self.calls.span().first(*count);
+  data->stats.draws = static_cast<std::uint32_t>(*count);
+  return data;
+}
+
+Result<DrawData> Planner::trace(const View& view, runtime::Instances instances) {
+  return impl_->build(view, instances, Pass::kColor, Depth::kNone, Rays::kAny);
+}
+
+std::uint64_t Planner::poolBytes() const {
+  return impl_->store.pool().rows() * std::uint64_t{Pool::kRowBytes};
+}
+Stats Planner::stats() const { return impl_->stats(); }
+
+}  // namespace kelp::draw
