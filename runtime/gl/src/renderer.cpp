@@ -217,12 +217,11 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
   Impl& self = *impl_;
   const Api& api = self.api;
   if (const Error* const unusable = self.unusable()) return *unusable;
-  const glm::ivec2& size = view.camera.viewport;
-  if (size.x > 0 && size.y > 0 && api.CheckFramebufferStatus(kDrawFramebuffer) != kFramebufferComplete)
-    return kIncomplete;
+  const bool has_pixels = view.camera.viewport.x > 0 && view.camera.viewport.y > 0;
+  if (has_pixels && api.CheckFramebufferStatus(kDrawFramebuffer) != kFramebufferComplete) return kIncomplete;
   const bool fog = pass == Pass::kFog;
   draw::Depth depth = view.scene_depth != 0 ? draw::Depth::kGiven : draw::Depth::kNone;
-  if (depth == draw::Depth::kNone && (fog || view.quality.depth_batches > 1)) {
+  if (has_pixels && depth == draw::Depth::kNone && (fog || view.quality.depth_batches > 1)) {
     const UploadGuard guard(api, self.restore);
     if (self.depth.prepare(api)) depth = draw::Depth::kCopied;
   }
@@ -249,6 +248,8 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
     used = &program;
     const std::int32_t first = static_cast<std::int32_t>(call.first);
     api.Uniform1i(program.first_instance, data->uniforms.first_instance + first);
+    std::optional<BlendGuard> blend;
+    if (fog) blend.emplace(api, self.restore);
     api.DrawArraysInstanced(kTriangleStrip, 0, 6, static_cast<std::int32_t>(call.count));
   }
   if (copies) bindUnit(api, kScene, 0);  // the host must not find the copy bound
