@@ -13,5 +13,13 @@ void main() {
   KelpFog fog = kelpFog(kelp_near, p.ray, p.range.x, p.range.y);
   if (fog.s == KELP_NEVER) discard;
   gl_FragDepth = kelpDepthOf(p.clip_at + fog.s * p.clip_slope);
+#ifdef KELP_DEBUG
+  uvec4 tags = kelpRecordBits(kelp_record + 12);
+  vec3 color = kelpDebugColor(int(tags.y), int(tags.z), fog.steps, kelp_level + kelp_fog_coarser);
+  // Thin fog is seen too.
+  float seen = kelp_debug == KELP_DEBUG_STEPS ? 1.0 : 0.25 + 0.75 * kelpHidden(fog);
+  kelp_color = seen * kelpOutput(vec4(color, 1.0));
+#else
   kelp_color = kelpOutput(vec4(min(fog.light, 1e30), kelpHidden(fog)));
+#endif
 }

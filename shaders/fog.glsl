@@ -38,6 +38,8 @@ uint kelp_fog_extinctions;  // where they are, one for each level
 uint kelp_fog_ramp;
 int kelp_fog_ramp_colors;
 
+int kelp_fog_coarser = 0;  // levels between the traced one and the brick's where the fog begins
+
 float kelpFloat(uint at) { return uintBitsToFloat(kelpWord(at)); }
 
 // After kelpLoadLevel. The block of seven words comes after the tables of the part's levels.
@@ -329,7 +331,10 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 su
         KelpCorners density = kelpSquared(kelpCorners(place.brick, cube));
         vec2 rates = min(extinction * way * vec2(kelpBetween(density, f1), kelpBetween(density, f2)), 1e4);
         float depth = 0.5 * (rates.x + rates.y);
-        if (fog.s == KELP_NEVER && depth > 0.0) fog.s = kelpCurveRay(c, b);
+        if (fog.s == KELP_NEVER && depth > 0.0) {
+          fog.s = kelpCurveRay(c, b);
+          kelp_fog_coarser = place.coarser;
+        }
 #ifdef KELP_FOG_HEAT
         if (kelp_fog_ramp_colors > 0) {
           KelpCorners heat = kelpCorners(place.brick + KELP_FOG_CHANNEL, cube);

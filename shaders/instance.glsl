@@ -23,7 +23,8 @@ uniform usampler2DArray kelp_pool;
 //          bit 31 is set
 //   10     highest corner of the deformed bounds | where the part's levels are in the pool
 //   11     size of the undeformed volume, level-0 voxels | level (bits 0..7), 64ths of the pixels that draw
-//          the next coarser level (8..15), number of the part's levels (16..23), of distances (24..31)
+//          the next coarser level (8..14), 1 where a finer level is wanted (15), number of the part's levels
+//          (16..23), of distances (24..31)
 //   12     where the palette is: in the pool, or, if bit 31 is set, a word of these records
 //          | index of the instance | part | outline of the bounds
 //          (draw.vert): six corners of three bits, x y z, set for the high side; 0: the eye is in or close to
@@ -124,7 +125,7 @@ int kelpPixelLevel(ivec2 pixel) {
   int x = pixel.x ^ pixel.y;
   int order = ((x & 1) << 5) | ((pixel.y & 1) << 4) | ((x & 2) << 2) | ((pixel.y & 2) << 1) | ((x & 4) >> 1) |
               ((pixel.y & 4) >> 2);
-  return int(bits & 255u) + (order < int((bits >> 8u) & 255u) ? 1 : 0);
+  return int(bits & 255u) + (order < int((bits >> 8u) & 127u) ? 1 : 0);
 }
 
 uint kelpCell(ivec3 brick) {

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "program.h"
 
+#include <cmath>
 #include <memory>
 #include <new>
+
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "kelp/shaders/shaders.h"
 
@@ -28,8 +32,10 @@ constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kS
                kPixelLine[] = "\n#line 1 7\n", kFogLine[] = "\n#line 1 8\n", kSplineLine[] = "#line 1 9\n",
                kCurveLine[] = "#line 1 10\n", kOutputLine[] = "\n#line 1 11\n",
                kDistanceLine[] = "#line 1 12\n", kArcLine[] = "#line 1 13\n", kSweepLine[] = "#line 1 14\n",
-               kFogWayLine[] = "\n#line 1 15\n";
-constexpr char kShearedDefine[] = "#define KELP_SWEPT false\n", kSweptDefine[] = "#define KELP_SWEPT true\n";
+               kFogWayLine[] = "\n#line 1 15\n", kDebugLine[] = "\n#line 1 16\n";
+constexpr char kShearedDefine[] = "#define KELP_SWEPT false\n", kSweptDefine[] = "#define KELP_SWEPT true\n",
+               kDebugDefine[] = "#define KELP_DEBUG\nuniform int kelp_debug;\n",
+               kHostDefine[] = "#define KELP_HOST_SURFACE\n";
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
 template <class GetLog>
@@ -151,38 +157,60 @@ Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCo
   program.clip_low = locate("kelp_clip_low");
   program.scene = locate("kelp_scene");
   program.display = locate("kelp_display");
+  program.debug = locate("kelp_debug");
+  program.label = name_label;
   return program;
 }
 
-}  // namespace
-
-Result<Program> buildProgram(const Api& api, const char* surface, Features features, Bend bend,
-                             const LogSink& log) {
-  const char* const look = surface                                   ? "#define KELP_HOST_SURFACE\n"
-                           : has(features, Features::kSecondaryRays) ? kRaysDefine
-                                                                     : "";
+// Of solids. `kind`: a definition of KELP_SWEPT, of KELP_DISTANCES, or nothing.
+Result<Program> buildSolid(const Api& api, const char* debug, const char* look, const char* shading,
+                           const char* kind, const char* surface, const char* name_label,
+                           const LogSink& log) {
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
   const char* const vertex_text[] = {prelude,         look, kInstanceLine, shaders::kInstance, kMainLine,
                                      shaders::kVertex};
-  const char* const fragment_text[] = {
-      prelude, look, has(features, Features::kGradientOnly) ? kGradientDefine : "",
-      // Parts of either kind shade each other.
-      has(features, Features::kDistances) ? kDistancesDefine
-      : bend == Bend::kSweep              ? kSweptDefine
-                                          : kShearedDefine,
-      kInstanceLine, shaders::kInstance, kSplineLine, shaders::kSpline, kCurveLine, shaders::kCurve,
-      kTraceLine, shaders::kTrace, kArcLine, shaders::kArc, kSweepLine, shaders::kSweepRecord,
-      shaders::kSweep, kDistanceLine, has(features, Features::kDistances) ? shaders::kDistance : "",
-      kSurfaceLine, shaders::kSurface, kHostLine, surface ? surface : "", kShadingLine, shaders::kShading,
-      kPixelLine, shaders::kPixel, kOutputLine, shaders::kOutput, kMainLine, shaders::kFragment};
-  return build(api, vertex_text, fragment_text, "kelp program", log);
+  const char* const fragment_text[] = {prelude,
+                                       debug,
+                                       look,
+                                       shading,
+                                       kind,
+                                       kInstanceLine,
+                                       shaders::kInstance,
+                                       kSplineLine,
+                                       shaders::kSpline,
+                                       kCurveLine,
+                                       shaders::kCurve,
+                                       kTraceLine,
+                                       shaders::kTrace,
+                                       kArcLine,
+                                       shaders::kArc,
+                                       kSweepLine,
+                                       shaders::kSweepRecord,
+                                       shaders::kSweep,
+                                       kDistanceLine,
+                                       kind == kDistancesDefine ? shaders::kDistance : "",
+                                       kSurfaceLine,
+                                       shaders::kSurface,
+                                       *debug ? kDebugLine : kHostLine,
+                                       surface,
+                                       kShadingLine,
+                                       shaders::kShading,
+                                       kPixelLine,
+                                       shaders::kPixel,
+                                       kOutputLine,
+                                       shaders::kOutput,
+                                       kMainLine,
+                                       shaders::kFragment};
+  return build(api, vertex_text, fragment_text, name_label, log);
 }
 
-Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const LogSink& log) {
+Result<Program> buildFog(const Api& api, const char* debug, Bend bend, bool heat, bool shadow,
+                         const char* name_label, const LogSink& log) {
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
   const bool swept = bend == Bend::kSweep;
   const char* const vertex_text[] = {prelude, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
   const char* const fragment_text[] = {prelude,
+                                       debug,
                                        heat ? "#define KELP_FOG_HEAT\n" : "",
                                        shadow ? "#define KELP_FOG_SHADOW\n" : "",
                                        swept ? kSweptDefine : kShearedDefine,
@@ -208,9 +236,71 @@ Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shado
                                        shaders::kPixel,
                                        kOutputLine,
                                        shaders::kOutput,
+                                       kDebugLine,
+                                       *debug ? shaders::kDebug : "",
                                        kMainLine,
                                        shaders::kFogFragment};
-  return build(api, vertex_text, fragment_text, swept ? "kelp swept fog program" : "kelp fog program", log);
+  return build(api, vertex_text, fragment_text, name_label, log);
+}
+
+}  // namespace
+
+Result<Program> buildProgram(const Api& api, const char* surface, Features features, Bend bend,
+                             const LogSink& log) {
+  // Where distances shade, parts of either kind shade each other.
+  const bool both = has(features, Features::kDistances), swept = bend == Bend::kSweep;
+  const char* const look = surface ? kHostDefine : has(features, Features::kSecondaryRays) ? kRaysDefine : "";
+  return buildSolid(api, "", look, has(features, Features::kGradientOnly) ? kGradientDefine : "",
+                    both    ? kDistancesDefine
+                    : swept ? kSweptDefine
+                            : kShearedDefine,
+                    surface ? surface : "",
+                    both    ? "kelp solids"
+                    : swept ? "kelp solids swept"
+                            : "kelp solids sheared",
+                    log);
+}
+
+Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const LogSink& log) {
+  constexpr const char* kLabels[2][2][2] = {{{"kelp fog sheared", "kelp fog sheared, shadow"},
+                                             {"kelp fog sheared, heat", "kelp fog sheared, heat, shadow"}},
+                                            {{"kelp fog swept", "kelp fog swept, shadow"},
+                                             {"kelp fog swept, heat", "kelp fog swept, heat, shadow"}}};
+  return buildFog(api, "", bend, heat, shadow, kLabels[bend == Bend::kSweep][heat][shadow], log);
+}
+
+Result<Program> buildDebugProgram(const Api& api, const LogSink& log) {
+  return buildSolid(api, kDebugDefine, kHostDefine, "", "", shaders::kDebug, "kelp debug solids", log);
+}
+
+Result<Program> buildDebugFogProgram(const Api& api, Bend bend, const LogSink& log) {
+  return buildFog(api, kDebugDefine, bend, false, false,
+                  bend == Bend::kSweep ? "kelp debug fog swept" : "kelp debug fog sheared", log);
+}
+
+Result<Program> buildLineProgram(const Api& api, const LogSink& log) {
+  const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
+  const char* const vertex_text[] = {prelude, kInstanceLine, shaders::kInstance, kMainLine,
+                                     shaders::kLineVertex};
+  const char* const fragment_text[] = {prelude, kOutputLine, shaders::kOutput, kMainLine,
+                                       shaders::kLineFragment};
+  return build(api, vertex_text, fragment_text, "kelp debug lines", log);
+}
+
+void setLook(const Api& api, const Program& program, const View& view) {
+  const auto set = [&api](std::int32_t location, const glm::vec3& v) {
+    api.Uniform3f(location, v.x, v.y, v.z);
+  };
+  set(program.sun_direction, glm::normalize(view.light.sun_direction));
+  set(program.sun_color, view.light.sun_color);
+  set(program.sky_color, view.light.sky_color);
+  set(program.ground_color, view.light.ground_color);
+  api.Uniform1i(program.shading, static_cast<std::int32_t>(view.quality.shading));
+  api.Uniform1i(program.self_shadow, view.quality.self_shadow);
+  api.Uniform1i(program.occlusion_rays, view.quality.occlusion_rays);
+  api.Uniform1f(program.occlusion_reach, view.quality.occlusion_reach);
+  api.Uniform1f(program.sun_radius, std::tan(glm::radians(0.5f * view.quality.soft_shadows)));
+  api.Uniform1i(program.occlusion, view.quality.occlusion);
 }
 
 }  // namespace kelp::gl

@@ -20,10 +20,12 @@ enum Unit : std::int32_t { kPool, kRecords, kScene };
 
 struct Program {
   Name name = 0;
+  const char* label = nullptr;  // for debuggers: its own, and that of the group of its draws
   // Locations; -1 where a host's surface function leaves a uniform unused.
   std::int32_t first_instance = -1, motion = -1, depth_only = -1, clip_low = -1, scene = -1, shading = -1;
   std::int32_t self_shadow = -1, occlusion_rays = -1, occlusion_reach = -1, sun_radius = -1, occlusion = -1;
   std::int32_t display = -1, sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
+  std::int32_t debug = -1;
 };
 
 // Compiles, links and binds the program, and sets the units of its samplers. `surface`: the host's
@@ -32,6 +34,24 @@ Result<Program> buildProgram(const Api& api, const char* surface, Features featu
                              const LogSink& log);
 // A program for fog that bends so: for parts that have heat too, or with the sun's shadow of fog on itself.
 Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const LogSink& log);
+
+// Builds a program that is not built yet.
+template <class Build>
+Result<void> buildOnce(Program& program, Build&& build) {
+  if (program.name != 0) return {};
+  const auto built = build();
+  if (!built) return built.error();
+  program = *built;
+  return {};
+}
+
+// What View::debug draws with instead, and in addition: colors of solids of either bend, and of fog; lines.
+Result<Program> buildDebugProgram(const Api& api, const LogSink& log);
+Result<Program> buildDebugFogProgram(const Api& api, Bend bend, const LogSink& log);
+Result<Program> buildLineProgram(const Api& api, const LogSink& log);
+
+// Sets the uniforms of the look, in the program in use.
+void setLook(const Api& api, const Program& program, const View& view);
 
 // The text of kelp::gl::Renderer::traceGlsl().
 using TraceStrings = std::array<const char*, 15>;

@@ -2,14 +2,12 @@
 #include "kelp/gl/renderer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <new>
+#include <optional>
 #include <utility>
 
-#include <glm/geometric.hpp>
-#include <glm/trigonometric.hpp>
-
+#include "debug_draw.h"
 #include "depth_copy.h"
 #include "draw_list.h"
 #include "placing.h"
@@ -32,29 +30,7 @@ constexpr Error kIncomplete{
     ErrorCode::kMisuse, "the framebuffer to draw into is not complete; glCheckFramebufferStatus says why"};
 static_assert(kFirstHostUnit >= kTextureUnits);
 
-void bindUnit(const Api& api, Unit unit, Name texture) {
-  api.ActiveTexture(kTexture0 + static_cast<Enum>(unit));
-  api.BindTexture(kUnitTargets[unit], texture);
-}
-
 int fogProgram(Bend bend, bool heat, bool shadow) { return 4 * (bend == Bend::kSweep) + 2 * heat + shadow; }
-
-// The uniforms of the look, in the program in use.
-void setLook(const Api& api, const Program& program, const View& view) {
-  const auto set = [&api](std::int32_t location, const glm::vec3& v) {
-    api.Uniform3f(location, v.x, v.y, v.z);
-  };
-  set(program.sun_direction, glm::normalize(view.light.sun_direction));
-  set(program.sun_color, view.light.sun_color);
-  set(program.sky_color, view.light.sky_color);
-  set(program.ground_color, view.light.ground_color);
-  api.Uniform1i(program.shading, static_cast<std::int32_t>(view.quality.shading));
-  api.Uniform1i(program.self_shadow, view.quality.self_shadow);
-  api.Uniform1i(program.occlusion_rays, view.quality.occlusion_rays);
-  api.Uniform1f(program.occlusion_reach, view.quality.occlusion_reach);
-  api.Uniform1f(program.sun_radius, std::tan(glm::radians(0.5f * view.quality.soft_shadows)));
-  api.Uniform1i(program.occlusion, view.quality.occlusion);
-}
 
 }  // namespace
 
@@ -67,6 +43,7 @@ struct Renderer::Impl {
         surface(options.allocator),
         store(options.allocator, has(options.features, Features::kDistances)),
         list(options.allocator, log),
+        debug(options.allocator),
         traced(options.allocator, log) {}
 
   Api api;
@@ -83,6 +60,7 @@ struct Renderer::Impl {
   DepthCopy depth;
   Residency store;
   DrawList list;
+  DebugDraw debug;
   RecordTextures traced_records;
   DrawList traced;  // of the last bindTrace()
   TraceStrings trace_strings{};
@@ -106,6 +84,7 @@ struct Renderer::Impl {
   std::uint32_t drawBatches(const Program& used, std::uint32_t begin, std::uint32_t end,
                             std::uint32_t batches) const;
   std::uint32_t drawFog(const View& view, Name scene_depth) const;
+  std::uint32_t drawSolids(const View& view, Pass pass, Name scene_depth, std::uint32_t batches) const;
 };
 
 // Everything a draw needs from the state; DrawGuard's list.
@@ -129,26 +108,23 @@ void Renderer::Impl::setState(const Program& used, const View& view, Pass pass, 
   api.Uniform1i(used.depth_only, pass == Pass::kDepth);
   api.Uniform1f(used.clip_low, view.camera.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f);
   api.Uniform1i(used.display, view.output == Output::kDisplay);
+  api.Uniform1i(used.debug, static_cast<std::int32_t>(view.debug));
   api.Uniform1i(used.scene, scene_depth == 0 ? 0 : view.camera.reversed_depth ? 2 : 1);
 }
 
 // Compiles the programs that fog and swept parts need. Within a DrawGuard.
 Result<void> Renderer::Impl::prepare(std::span<const Part> parts) {
   for (const Part& part : parts) {
-    if (part.bend == Bend::kSweep && !part.fog && !has(features, Features::kDistances) &&
-        swept_program.name == 0) {
-      const auto built = buildProgram(api, surface.data(), features, Bend::kSweep, log);
-      if (!built) return built.error();
-      swept_program = *built;
+    if (part.bend == Bend::kSweep && !part.fog && !has(features, Features::kDistances)) {
+      const auto build = [&] { return buildProgram(api, surface.data(), features, Bend::kSweep, log); };
+      if (auto good = buildOnce(swept_program, build); !good) return good;
     }
     if (!part.fog) continue;
     const bool heat = part.fog->channels() > 1;
     for (const bool shadow : {false, true}) {
-      Program& fog_program = fog_programs[fogProgram(part.bend, heat, shadow)];
-      if (fog_program.name != 0 || (shadow && !castsRays())) continue;
-      const auto built = buildFogProgram(api, part.bend, heat, shadow, log);
-      if (!built) return built.error();
-      fog_program = *built;
+      if (shadow && !castsRays()) continue;
+      const auto build = [&] { return buildFogProgram(api, part.bend, heat, shadow, log); };
+      if (auto good = buildOnce(fog_programs[fogProgram(part.bend, heat, shadow)], build); !good) return good;
     }
   }
   return {};
@@ -163,7 +139,11 @@ std::uint32_t Renderer::Impl::drawBatches(const Program& used, std::uint32_t beg
   for (std::uint32_t batch = 0; batch < batches; ++batch) {
     const auto first = static_cast<std::uint32_t>(begin + parts * batch / batches),
                last = static_cast<std::uint32_t>(begin + parts * (batch + 1) / batches);
-    if (batches > 1) depth.copy(api);
+    std::optional<DebugGroup> group;
+    if (batches > 1) {
+      group.emplace(api, "kelp depth batch");
+      depth.copy(api);
+    }
     api.Uniform1i(used.first_instance, static_cast<std::int32_t>(list.firstNumber() + first));
     api.DrawArraysInstanced(kTriangleStrip, 0, 6, static_cast<std::int32_t>(last - first));
   }
@@ -176,11 +156,34 @@ std::uint32_t Renderer::Impl::drawFog(const View& view, Name scene_depth) const 
   for (std::uint32_t begin = 0, end = 0; begin < list.parts(); begin = end) {
     const Bend bend = list.fogBend(begin);
     while (end < list.parts() && list.fogBend(end) == bend) ++end;
-    const Program& used = fog_programs[fogProgram(bend, list.hasHeat(bend), view.quality.self_shadow)];
+    const Program& used = replacesColors(view.debug)
+                              ? debug.fog(bend)
+                              : fog_programs[fogProgram(bend, list.hasHeat(bend), view.quality.self_shadow)];
+    const DebugGroup group(api, used.label);
     setState(used, view, Pass::kFog, scene_depth);
     const BlendGuard blend(api, restore);
     draws += drawBatches(used, begin, end, 1);
   }
+  return draws;
+}
+
+// Draws the list's solids: the sheared ones, then the swept ones.
+std::uint32_t Renderer::Impl::drawSolids(const View& view, Pass pass, Name scene_depth,
+                                         std::uint32_t batches) const {
+  std::uint32_t draws = 0;
+  const bool replaced = replacesColors(view.debug);
+  const std::uint32_t all = list.parts(),
+                      sheared = replaced || has(features, Features::kDistances) ? all : list.sheared();
+  const auto drawWith = [&](const Program& used, std::uint32_t begin, std::uint32_t end) {
+    if (begin == end) return;
+    const DebugGroup group(api, used.label);
+    setState(used, view, pass, scene_depth);
+    if (replaced) maskOtherBuffers(api);
+    if (view.bind && !replaced) view.bind(view.bind_user, used.name);
+    draws += drawBatches(used, begin, end, batches);
+  };
+  drawWith(replaced ? debug.solids() : program, 0, sheared);
+  drawWith(swept_program, sheared, all);
   return draws;
 }
 
@@ -238,6 +241,7 @@ Renderer::~Renderer() {
   self.api.DeleteProgram(self.program.name);
   self.api.DeleteProgram(self.swept_program.name);
   for (const Program& program : self.fog_programs) self.api.DeleteProgram(program.name);
+  self.debug.destroy(self.api);
 }
 
 Result<void> Renderer::add(const runtime::Asset& asset) {
@@ -295,7 +299,8 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
     return good.error();
   self.list.count(stats);
   if (stats.instances == 0) return stats;
-  const DebugGroup group(self.api, pass == Pass::kDepth ? "kelp depth" : fog ? "kelp fog" : "kelp draw");
+  const DebugGroup group(self.api, pass == Pass::kDepth ? "kelp depth" : fog ? "kelp fog" : "kelp color");
+  const bool lines = view.debug >= DebugView::kBounds && pass != Pass::kDepth;
   std::uint32_t batches = 1;
   Name scene_depth = view.scene_depth;
   {
@@ -308,21 +313,21 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
       if (!fog) batches = std::min(static_cast<std::uint32_t>(view.quality.depth_batches), stats.instances);
     }
     if (auto good = uploadRecords(self.api, self.records, self.list.records()); !good) return good.error();
+    if (lines) {
+      if (auto good = self.debug.uploadLines(self.api, view, self.list, instances); !good)
+        return good.error();
+    }
   }
   const DrawGuard guard(self.api, self.restore);
-  const std::uint32_t all = self.list.parts(),
-                      sheared = has(self.features, Features::kDistances) ? all : self.list.sheared();
-  if (fog) {
-    stats.draws = self.drawFog(view, scene_depth);
-  } else {
-    const auto drawWith = [&](const Program& used, std::uint32_t begin, std::uint32_t end) {
-      if (begin == end) return;
-      self.setState(used, view, pass, scene_depth);
-      if (view.bind) view.bind(view.bind_user, used.name);
-      stats.draws += self.drawBatches(used, begin, end, batches);
-    };
-    drawWith(self.program, 0, sheared);
-    drawWith(self.swept_program, sheared, all);
+  if (lines || replacesColors(view.debug)) {
+    if (auto good = self.debug.compile(self.api, view.debug, self.list, fog, self.log); !good)
+      return good.error();
+  }
+  stats.draws = fog ? self.drawFog(view, scene_depth) : self.drawSolids(view, pass, scene_depth, batches);
+  if (lines) {
+    self.setState(self.debug.lines(), view, pass, 0);
+    self.debug.drawLines(self.api);
+    ++stats.draws;
   }
   // The host must not find the copy bound.
   if (scene_depth != view.scene_depth) bindUnit(self.api, kScene, 0);

@@ -23,8 +23,11 @@ extern const char* const kOutput;       // output.glsl: what the framebuffer get
 extern const char* const kFog;          // fog.glsl: light through fog; then one of the next two
 extern const char* const kFogSheared;   // fog_sheared.glsl: how rays go through the fog of a sheared part
 extern const char* const kFogSwept;     // fog_swept.glsl: and of a swept one
+extern const char* const kDebug;        // debug.glsl: what View::debug shows
 extern const char* const kVertex;       // draw.vert: rasterizes the proxy box of an instance
 extern const char* const kFragment;     // draw.frag: traces, shades, writes depth
 extern const char* const kFogFragment;  // fog.frag: draws fog over what is there
+extern const char* const kLineVertex;   // lines.vert, lines.frag: lines over the picture
+extern const char* const kLineFragment;
 
 }  // namespace kelp::shaders

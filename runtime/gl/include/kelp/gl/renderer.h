@@ -154,6 +154,22 @@ enum class Output : std::uint8_t {
   kDisplay,
 };
 
+// A picture that explains itself, at run time. The first three draw other colors, by programs that are
+// compiled when they are first used; lines are one pixel wide, or GL_LINE_WIDTH, and nothing hides them.
+// Draw buffer 0 alone is written. Not in Renderer::bindTrace().
+enum class DebugView : std::uint8_t {
+  kNone,
+  kParts,  // a color for each part of each instance
+  // How many steps a ray took until it hit: blue 0, green 16, yellow 32, red 64 and more. In fog, until its
+  // end, without shadow rays.
+  kSteps,
+  // A color for each level that is hit, gray for level 0. Black stripes: a finer level is wanted and not on
+  // the GPU. In fog, where it begins.
+  kLevels,
+  kBounds,   // the boxes whose outlines are rasterized; red: the eye is in or close to it, so all pixels are
+  kSplines,  // the splines of parts and their knots, as Instance::pose has them
+};
+
 // A picture to draw. The common case:
 //
 //   gl::View view;
@@ -164,6 +180,7 @@ struct View {
   Light light = {};
   Quality quality = {};
   Output output = Output::kLinear;
+  DebugView debug = DebugView::kNone;
   // A texture with the depth of the scene so far: GL_TEXTURE_2D, a depth format or GL_R32F, not attached to
   // the framebuffer drawn to; texel (x, y) belongs to the framebuffer's pixel (x, y). Rays end there, which
   // saves time, and replaces the depth test where no depth buffer is bound. 0: none.
@@ -172,7 +189,7 @@ struct View {
   // two programs, if there are sheared parts and swept ones to draw. Sets what surface_glsl needs:
   // glUniform*, textures and samplers on units from kFirstHostUnit on, uniform buffers. These bindings stay.
   // It may change the active unit, and no other state. Don't leave samplers of different types on one unit.
-  // Null: no callback.
+  // Not called where `debug` replaces surface_glsl. Null: no callback.
   void (*bind)(void* user, std::uint32_t program) = nullptr;
   void* bind_user = nullptr;
 };
