@@ -12,14 +12,14 @@
 namespace kelp::test {
 namespace {
 
-using Picture = std::vector<glm::vec4>;
+using FloatColors = std::vector<glm::vec4>;
 
 // The color without its light.
-glm::vec3 hueOf(const glm::vec4& pixel) { return glm::vec3(pixel) / glm::length(glm::vec3(pixel)); }
-bool isBlack(const glm::vec4& pixel) { return glm::vec3(pixel) == glm::vec3(0); }
+glm::vec3 unlit(const glm::vec4& pixel) { return glm::vec3(pixel) / glm::length(glm::vec3(pixel)); }
+bool isStripe(const glm::vec4& pixel) { return glm::vec3(pixel) == glm::vec3(0); }
 
 // Depth rises towards the eye.
-gl::View reversed(gl::View view) {
+gl::View towardsEye(gl::View view) {
   view.camera.eye_to_clip = glm::scale(glm::mat4(1), glm::vec3(1, 1, -1)) * view.camera.eye_to_clip;
   view.camera.reversed_depth = true;
   return view;
@@ -47,8 +47,8 @@ class DebugViewTest : public GlTest {
     return pack;
   }
 
-  Picture draw(gl::Renderer& renderer, gl::View view, gl::DebugView debug,
-               gl::Pass pass = gl::Pass::kColor) const {
+  FloatColors draw(gl::Renderer& renderer, gl::View view, gl::DebugView debug,
+                   gl::Pass pass = gl::Pass::kColor) const {
     view.debug = debug;
     glClearDepthf(view.camera.reversed_depth ? 0 : 1);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -65,7 +65,7 @@ class DebugViewTest : public GlTest {
   // Calls use(pixel, hit) for the pixels that the CPU and the picture agree are covered, which must be nearly
   // all, and not at a part's edge.
   template <class Use>
-  void eachHit(const gl::View& view, const Picture& picture, const Use& use) const {
+  void eachHit(const gl::View& view, const FloatColors& picture, const Use& use) const {
     int covered = 0, other = 0;
     const auto hitAt = [&](int x, int y) { return raycast(instances_, pixelRay(view, x, y)); };
     for (int y = 0; y < canvas_->size().y; ++y) {
@@ -80,12 +80,12 @@ class DebugViewTest : public GlTest {
     EXPECT_GT(covered, 2000);
     EXPECT_LE(other, covered / 200);
   }
-  const glm::vec4& at(const Picture& picture, const glm::ivec2& pixel) const {
+  const glm::vec4& at(const FloatColors& picture, const glm::ivec2& pixel) const {
     return picture[static_cast<std::size_t>(pixel.x + canvas_->size().x * pixel.y)];
   }
 
   // Pixels that a debug view changes.
-  std::vector<bool> changes(const Picture& plain, const Picture& debug) const {
+  std::vector<bool> changes(const FloatColors& plain, const FloatColors& debug) const {
     std::vector<bool> out(plain.size());
     for (std::size_t i = 0; i < plain.size(); ++i) out[i] = plain[i] != debug[i];
     return out;
@@ -115,14 +115,14 @@ TEST_P(DebugViewTest, EachPartOfEachInstanceHasAColor) {
     const auto renderer = makeRenderer(*loaded_.asset, nullptr, config);
     std::map<std::pair<int, int>, glm::vec3> colors;
     for (const gl::View& view :
-         {front(), reversed(front()), orthographic(canvas_->size(), {0.4f, 1.9f, 5}, {0, 1.7f, 0}, 2)}) {
+         {front(), towardsEye(front()), orthographic(canvas_->size(), {0.4f, 1.9f, 5}, {0, 1.7f, 0}, 2)}) {
       int wrong = 0, all = 0;
       gl::View up = view;  // rays of the CPU go from the near to the far plane
       if (view.camera.reversed_depth) up = front();
       eachHit(up, draw(*renderer, view, gl::DebugView::kParts), [&](const glm::vec4& pixel, const auto& hit) {
-        const auto [found, fresh] = colors.try_emplace({hit.instance, hit.part}, hueOf(pixel));
+        const auto [found, fresh] = colors.try_emplace({hit.instance, hit.part}, unlit(pixel));
         ++all;
-        wrong += glm::distance(found->second, hueOf(pixel)) > 1e-4f;
+        wrong += glm::distance(found->second, unlit(pixel)) > 1e-4f;
       });
       EXPECT_LE(wrong, all / 200);  // where two parts meet
     }
@@ -148,7 +148,7 @@ TEST_P(DebugViewTest, StepsAreThoseOfTheTracingCore) {
   const Instance instance{loaded.asset.get()};
   canvas_->clear();
   ASSERT_TRUE(renderer->draw(steps, instance));
-  const Picture picture = canvas_->pixels();
+  const FloatColors picture = canvas_->pixels();
 
   const trace::Level level = tracedLevel(part.levels[0], part.size);
   const Segment s = makeSegment(part.knots[0], part.knots[1], static_cast<float>(part.size.y));
@@ -209,7 +209,7 @@ TEST_P(DebugViewTest, LevelsAreThoseThatAreInMemory) {
   for (bool more = true; more; ++states) {
     const bool read = asset->pump().value();
     more = renderer->upload(~std::uint64_t{0}).value().pending > 0 || read;
-    const Picture picture = draw(*renderer, view, gl::DebugView::kLevels);
+    const FloatColors picture = draw(*renderer, view, gl::DebugView::kLevels);
     for (int y = 0; y < canvas_->size().y; ++y) {
       for (int x = 0; x < canvas_->size().x; ++x) {
         const glm::vec4& pixel = at(picture, {x, y});
@@ -217,13 +217,13 @@ TEST_P(DebugViewTest, LevelsAreThoseThatAreInMemory) {
         if (!hit) continue;
         ++all;
         coarse += hit->level > 0;
-        if (isBlack(pixel)) {
+        if (isStripe(pixel)) {
           ++stripes;
           wrong += hit->level == 0;
           continue;
         }
-        const auto [found, fresh] = colors.try_emplace(hit->level, hueOf(pixel));
-        wrong += glm::distance(found->second, hueOf(pixel)) > 1e-4f;
+        const auto [found, fresh] = colors.try_emplace(hit->level, unlit(pixel));
+        wrong += glm::distance(found->second, unlit(pixel)) > 1e-4f;
       }
     }
   }
@@ -244,7 +244,7 @@ TEST_P(DebugViewTest, LevelsAreThoseThatAreInMemory) {
 TEST_P(DebugViewTest, LinesOfBoundsRunAlongTheEdgesOfTheBox) {
   const auto renderer = makeRenderer(*loaded_.asset);
   for (const gl::View& view : {front(), orthographic(canvas_->size(), {0.4f, 1.9f, 5}, {0, 1.7f, 0}, 2)}) {
-    const Picture plain = draw(*renderer, view, gl::DebugView::kNone);
+    const FloatColors plain = draw(*renderer, view, gl::DebugView::kNone);
     const std::vector<bool> lines = changes(plain, draw(*renderer, view, gl::DebugView::kBounds));
     for (const Instance& instance : instances_) {
       for (int part = 0; part < 2; ++part) {
@@ -274,7 +274,7 @@ TEST_P(DebugViewTest, LinesOfBoundsEncloseSweptParts) {
   const LoadedAsset loaded(sweptPackOf(ballClump({40, 56, 40}, 20, 4), 5));
   const auto renderer = makeRenderer(*loaded.asset);
   gl::View view = lookAt(canvas_->size(), {0.4f, 0.9f, 3.5f}, {0, 0.5f, 0});
-  Picture pictures[2];
+  FloatColors pictures[2];
   for (const bool lines : {false, true}) {
     view.debug = lines ? gl::DebugView::kBounds : gl::DebugView::kNone;
     canvas_->clear();
@@ -299,8 +299,8 @@ TEST_P(DebugViewTest, LinesOfBoundsEncloseSweptParts) {
 
 TEST_P(DebugViewTest, LinesOfSplinesAreWhereCenterLinesAre) {
   const auto renderer = makeRenderer(*loaded_.asset);
-  for (const gl::View& view : {front(), reversed(front())}) {
-    const Picture plain = draw(*renderer, view, gl::DebugView::kNone);
+  for (const gl::View& view : {front(), towardsEye(front())}) {
+    const FloatColors plain = draw(*renderer, view, gl::DebugView::kNone);
     const std::vector<bool> lines = changes(plain, draw(*renderer, view, gl::DebugView::kSplines));
     for (const Instance& instance : instances_) {
       for (int part = 0; part < 3; ++part) {
@@ -319,7 +319,7 @@ TEST_P(DebugViewTest, LinesOfSplinesAreWhereCenterLinesAre) {
 // A mark around every knot, a diamond whose corners are 4 pixels away.
 TEST_P(DebugViewTest, KnotsAreMarked) {
   const auto renderer = makeRenderer(*loaded_.asset);
-  const Picture plain = draw(*renderer, front(), gl::DebugView::kNone);
+  const FloatColors plain = draw(*renderer, front(), gl::DebugView::kNone);
   const std::vector<bool> lines = changes(plain, draw(*renderer, front(), gl::DebugView::kSplines));
   const glm::mat4 to_clip = front().camera.eye_to_clip * front().camera.world_to_eye;
   for (const Instance& instance : instances_) {
@@ -341,10 +341,10 @@ TEST_P(DebugViewTest, KnotsAreMarked) {
 
 TEST_P(DebugViewTest, ThePictureWithoutIsTheSameAsBefore) {
   const auto fresh = makeRenderer(*loaded_.asset), used = makeRenderer(*loaded_.asset);
-  const Picture plain = draw(*fresh, front(), gl::DebugView::kNone);
+  const FloatColors plain = draw(*fresh, front(), gl::DebugView::kNone);
   for (const gl::DebugView debug : {gl::DebugView::kParts, gl::DebugView::kSteps, gl::DebugView::kLevels,
                                     gl::DebugView::kBounds, gl::DebugView::kSplines}) {
-    const Picture shown = draw(*used, front(), debug);
+    const FloatColors shown = draw(*used, front(), debug);
     EXPECT_NE(shown, plain);
     EXPECT_EQ(draw(*used, front(), gl::DebugView::kNone), plain);
     // A color pass after a depth pass shows the same too.
@@ -387,9 +387,9 @@ TEST_P(DebugViewTest, FogHasThemToo) {
     const auto renderer = makeRenderer(*loaded.asset);
     for (Instance& instance : instances_) instance.asset = loaded.asset.get();
     const gl::View view = lookAt(canvas_->size(), {0.4f, 0.9f, 3.5f}, {0, 0.5f, 0});
-    const Picture plain = draw(*renderer, view, gl::DebugView::kNone, gl::Pass::kFog);
+    const FloatColors plain = draw(*renderer, view, gl::DebugView::kNone, gl::Pass::kFog);
     for (const gl::DebugView debug : {gl::DebugView::kParts, gl::DebugView::kSteps, gl::DebugView::kLevels}) {
-      const Picture shown = draw(*renderer, view, debug, gl::Pass::kFog);
+      const FloatColors shown = draw(*renderer, view, debug, gl::Pass::kFog);
       int covered = 0;
       for (std::size_t i = 0; i < plain.size(); ++i) {
         EXPECT_EQ(plain[i].a > 0, shown[i].a > 0);
@@ -399,7 +399,7 @@ TEST_P(DebugViewTest, FogHasThemToo) {
       if (debug != gl::DebugView::kLevels) continue;
       for (const glm::vec4& pixel : shown) {
         if (pixel.a > 0) {
-          EXPECT_NEAR(glm::distance(hueOf(pixel), glm::normalize(glm::vec3(1))), 0, 1e-3);
+          EXPECT_NEAR(glm::distance(unlit(pixel), glm::normalize(glm::vec3(1))), 0, 1e-3);
         }
       }
     }
