@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The colors of kelp::gl::View::debug, linear light. Stands where a host's surface would, or before fog.frag.
-// The text before declares `int kelp_debug`, a uniform or a constant: kelp::gl::DebugView.
+// The text before declares `int kelp_debug`, a uniform or a constant.
 
 #define KELP_DEBUG_PARTS 1
 #define KELP_DEBUG_STEPS 2
@@ -41,7 +41,7 @@ vec3 kelpDebugColor(int instance, int part, int steps, int level) {
   return level == 0 ? vec3(0.64) : kelpHue(0.618034 * float(level), 0.0);
 }
 
-#ifdef KELP_HOST_SURFACE
+#ifdef KELP_SHADING_FACES  // after surface.glsl
 // Lit from the eye, so that the shape is seen; steps are plain.
 vec4 kelpSurface(KelpSurface s) {
   float light = kelp_debug == KELP_DEBUG_STEPS ? 1.0 : 0.45 + 0.55 * max(dot(s.normal, s.view), 0.0);

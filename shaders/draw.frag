@@ -1,9 +1,19 @@
 // SPDX-License-Identifier: MIT
 // Traces the pixel's ray through a posed part, calls kelpSurface with the hit, writes real depth.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+
+#include "solid.glsl"
+#ifdef KELP_DEBUG
+#include "debug.glsl"
+#elif defined(KELP_HOST_SURFACE)
+#include "kelp_surface.glsl"
+#endif
+#include "pixel.glsl"
+#include "output.glsl"
 
 layout(location = 0) out vec4 kelp_color;
-
-uniform bool kelp_depth_only;  // one program for both passes, so that their depths are bit-identical
 
 // Where a point of the undeformed part was in clip space in the frame before.
 vec4 kelpPreviousClip(vec3 rest) {

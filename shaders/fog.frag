@@ -2,6 +2,31 @@
 // Draws fog over what is there: premultiplied color, and in alpha how much of what is behind is hidden.
 // Writes the depth at which the fog begins. No depth buffer keeps it: it serves the depth test where there
 // is no copy of the scene's depth.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+
+#include "uniforms.glsl"
+#include "instance.glsl"
+#include "spline.glsl"
+#include "curve.glsl"
+#include "trace.glsl"
+#ifdef KELP_SWEPT_ONLY
+#include "arc.glsl"
+#include "sweep_record.glsl"
+#include "sweep.glsl"
+#include "fog.glsl"
+#include "fog_swept.glsl"
+#else
+#include "fog.glsl"
+#include "fog_sheared.glsl"
+#endif
+#define KELP_SCENE_MARGIN 0.0
+#include "pixel.glsl"
+#include "output.glsl"
+#ifdef KELP_DEBUG
+#include "debug.glsl"
+#endif
 
 layout(location = 0) out vec4 kelp_color;
 

@@ -23,12 +23,6 @@
 #define KELP_FOG_SEEN 0.0009765625  // share of the light that one shadow ray stands for
 #define KELP_FOG_STEPS 65536        // a guard: a ray crosses 3 * 8192 cubes at most
 
-// As in surface.glsl, from kelp::gl::View.
-uniform vec3 kelp_sun_direction;
-uniform vec3 kelp_sun_color;
-uniform vec3 kelp_sky_color;
-uniform vec3 kelp_ground_color;
-
 // The meaning of the part's samples. kelpLoadFog sets these.
 vec3 kelp_fog_color;
 float kelp_fog_anisotropy;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Where the tracing core and the proxy find a posed part on the GPU: the frame's records and the pool of
-// voxels. The renderer puts the version and the precisions before this text.
+// voxels.
 
-// The pool: all voxels of all assets as 32-bit words, 1024 to a row, 1024 rows to a layer. runtime/gl/src
-// writes it:
+// The pool: all voxels of all assets as 32-bit words; in a texture, 1024 to a row, 1024 rows to a layer.
+// runtime/gl/src writes it:
 //   of an asset  9 words for each palette entry: base color, emissive, metallic, roughness
 //                then for each part 3 words for each of its levels, finest first: where its cells are, where
 //                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31);
@@ -11,10 +11,9 @@
 //                and for fog the meaning of its samples: fog.glsl, kelpLoadFog
 //   of a level   cells and pages as in kelp/formats/page.h
 //                the page table has a word for each page: where the page is, 0 if it is not resident
-uniform usampler2DArray kelp_pool;
-
-// The frame's records, 1024 texels to a row. First a number for each part that is drawn, four to a texel: the
-// texel of its record. A record:
+//
+// The frame's records, texels of four words; in a texture, 1024 to a row. First a number for each part that
+// is drawn, four to a texel: the texel of its record. A record:
 //   0..3   rows: part space -> clip space; for a host's own shader (scene.glsl) 0..2: world -> part space
 //   4..6   rows: part space -> world
 //   7      the eye in part space (w = 1), or the direction of view (w = 0, orthographic)
@@ -35,15 +34,21 @@ uniform usampler2DArray kelp_pool;
 //          with the number of arcs, the arcs and the joints
 //   then, where distances shade: the record of the instance's next part; all parts of an instance are a ring
 #define KELP_RECORD 13
+#ifdef KELP_VULKAN
+layout(std430, set = KELP_SET, binding = KELP_BINDING_POOL) readonly buffer KelpPool { uint kelp_pool[]; };
+layout(std430, set = KELP_SET, binding = KELP_BINDING_RECORDS) readonly buffer KelpRecords {
+  uvec4 kelp_records[];
+};
+uint kelpWord(uint at) { return kelp_pool[at]; }
+uvec4 kelpRecordBits(int texel) { return kelp_records[texel]; }
+#else
+uniform usampler2DArray kelp_pool;
 uniform usampler2D kelp_records;
-uniform int kelp_first_instance;
-uniform bool kelp_motion;
-
-// A word of the pool.
 uint kelpWord(uint at) {
   return texelFetch(kelp_pool, ivec3(int(at & 1023u), int((at >> 10u) & 1023u), int(at >> 20u)), 0).r;
 }
 uvec4 kelpRecordBits(int texel) { return texelFetch(kelp_records, ivec2(texel & 1023, texel >> 10), 0); }
+#endif
 vec4 kelpRecord(int texel) { return uintBitsToFloat(kelpRecordBits(texel)); }
 
 // The record that this invocation works on. kelpLoadRecord sets these.
@@ -175,7 +180,11 @@ int kelpRecordEnd() {
 #define KELP_CONTEXT
 #define KELP_SEGMENTS kelp_segment_count
 #define KELP_SEGMENT(i) KELP_SEGMENT_AT(kelp_record + KELP_RECORD, i)
-#ifndef KELP_SWEPT
+#if defined(KELP_SWEPT_ONLY)
+#define KELP_SWEPT true
+#elif defined(KELP_SHEARED_ONLY)
+#define KELP_SWEPT false
+#else
 #define KELP_SWEPT (kelp_arc_count > 0)
 #endif
 #define KELP_ARCS kelp_arc_count

@@ -15,7 +15,7 @@
 //
 // Cost: each ray tests the deformed bounds of every part, and traces the parts whose bounds it meets.
 
-uniform int kelp_part_count;
+#include "solid.glsl"
 
 struct KelpSceneHit {
   bool found;

@@ -40,18 +40,10 @@ struct KelpSurface {
                        // Both are 0 in what a host's own shader traces (scene.glsl).
 };
 
-// From kelp::gl::View. A white, diffuse surface that faces the sun sends kelp_sun_color / pi to the eye.
-uniform vec3 kelp_sun_direction;  // world, unit, towards the sun
-uniform vec3 kelp_sun_color;
-uniform vec3 kelp_sky_color;
-uniform vec3 kelp_ground_color;
-uniform bool kelp_self_shadow;
-uniform int kelp_occlusion_rays;     // 0 .. 16; 0: none
-uniform float kelp_occlusion_reach;  // of the part's longest side
 #ifdef KELP_GRADIENT_ONLY
-const int kelp_shading = 0;
+#define KELP_SHADING 0
 #else
-uniform int kelp_shading;  // kelp::gl::Shading
+#define KELP_SHADING kelp_shading
 #endif
 #define KELP_SHADING_FACES 1
 #define KELP_SHADING_SMOOTH 2
@@ -96,7 +88,7 @@ vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
   mat4 to_world = kelpPartToWorld();
   mat3 to_part = inverse(mat3(to_world));
   float voxel = length(to_world[0]) * float(1 << s.level);
-  float lift = kelp_shading == KELP_SHADING_FACES ? 0.0625 : 1.75;
+  float lift = KELP_SHADING == KELP_SHADING_FACES ? 0.0625 : 1.75;
   vec3 foot = to_part * (s.position - to_world[3].xyz);
   vec3 off = to_part * (voxel * s.normal);
   float far = reach * max(max(s.size.x, s.size.y), s.size.z);
@@ -132,9 +124,6 @@ vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
 }
 
 #ifdef KELP_DISTANCES
-uniform float kelp_sun_radius;  // of the sun's disc, 1 away; 0: no soft shadows
-uniform bool kelp_occlusion;
-
 // The record of the next part of the same instance; the same one where the view asks for neither of these.
 int kelpNextRecord() {
   if (!kelp_occlusion && kelp_sun_radius == 0.0) return kelp_record;
@@ -209,7 +198,7 @@ float kelpSunVisible(KelpSurface s, float radius) {
   vec3 sun = normalize(kelp_sun_direction + max(-facing, 0.0) * s.normal);
   vec3 across = normalize(abs(sun.y) < 0.9 ? vec3(sun.z, 0.0, -sun.x) : vec3(0.0, -sun.z, sun.y));
   vec3 beside = cross(sun, across);
-  float lift = kelp_shading == KELP_SHADING_FACES ? 0.0625 : 1.75;
+  float lift = KELP_SHADING == KELP_SHADING_FACES ? 0.0625 : 1.75;
   vec3 from = s.position + lift * length(kelpPartToWorld()[0]) * float(1 << s.level) * s.normal;
   float visible = 1.0;
   int own = kelp_record;
@@ -307,7 +296,7 @@ vec3 kelpSkyLight(KelpSurface s, vec3 diffuse, vec3 specular) {
   return diffuse * around + specular * (1.0 - 0.5 * s.roughness) * reflected;
 }
 
-#ifndef KELP_HOST_SURFACE
+#if !defined(KELP_HOST_SURFACE) && !defined(KELP_DEBUG)
 vec4 kelpSurface(KelpSurface s) {
   vec3 diffuse = s.color.rgb * (1.0 - s.metallic);
   vec3 specular = mix(vec3(0.04), s.color.rgb, s.metallic);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The programs that kelp draws with: shaders/ put together for the context's dialect of GLSL.
+// The programs that kelp draws with.
 #pragma once
-
-#include <array>
 
 #include "gl_api.h"
 #include "kelp/gl/renderer.h"
+#include "program_text.h"
 
 namespace kelp::gl {
 
@@ -27,6 +26,8 @@ struct Program {
   std::int32_t display = -1, sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
   std::int32_t debug = -1;
 };
+
+inline Dialect dialectOf(const Api& api) { return api.es ? Dialect::kEs300 : Dialect::kGl330; }
 
 // Compiles, links and binds the program, and sets the units of its samplers. `surface`: the host's
 // kelpSurface. Null: kelp's own. For parts that bend so; where distances shade, for all.
@@ -53,11 +54,7 @@ Result<Program> buildLineProgram(const Api& api, const LogSink& log);
 // Sets the uniforms of the look, in the program in use.
 void setLook(const Api& api, const Program& program, const View& view);
 
-// The text of kelp::gl::Renderer::traceGlsl().
-using TraceStrings = std::array<const char*, 15>;
-TraceStrings traceStrings(const Api& api, Features features);
-
-// The uniforms of a host's program that contains that text; -1: it does not use them.
+// The uniforms of a host's program that contains Renderer::traceGlsl(); -1: it does not use them.
 struct TraceProgram {
   std::int32_t pool = -1, records = -1, first_instance = -1, part_count = -1;
   Program look;  // what a program of kelp's has as well

@@ -63,7 +63,7 @@ struct Renderer::Impl {
   DebugDraw debug;
   RecordTextures traced_records;
   DrawList traced;  // of the last bindTrace()
-  TraceStrings trace_strings{};
+  ShaderText trace_text;
 
   // Null: OpenGL may be called.
   const Error* unusable() const {
@@ -211,7 +211,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const RendererOptions& option
   auto program = buildProgram(self.api, self.surface.data(), self.features, Bend::kShear, self.log);
   if (!program) return program.error();
   self.program = *program;
-  self.trace_strings = traceStrings(self.api, self.features);
+  self.trace_text = traceText(dialectOf(self.api), self.features);
   self.api.GenVertexArrays(1, &self.vertex_array);
   self.api.BindVertexArray(self.vertex_array);  // only then the name is an object that can be labeled
   label(self.api, kLabelVertexArray, self.vertex_array, "kelp without vertices");
@@ -334,7 +334,7 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
   return stats;
 }
 
-std::span<const char* const> Renderer::traceGlsl() const { return impl_->trace_strings; }
+std::span<const char* const> Renderer::traceGlsl() const { return impl_->trace_text.all(); }
 
 Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, runtime::Instances instances,
                                   int first_unit) {
