@@ -44,8 +44,10 @@ foreach(document formats/SPEC.md formats/README.md runtime/README.md runtime/HOS
   install(FILES ${PROJECT_SOURCE_DIR}/${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder}
     COMPONENT dev)
 endforeach()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/shaders/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/shaders COMPONENT dev
-  FILES_MATCHING PATTERN *.glsl PATTERN *.vert PATTERN *.frag
+# The shaders for a host that draws by itself: translate.sh reads them.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/shaders/ DESTINATION ${CMAKE_INSTALL_DATADIR}/kelp/shaders
+  COMPONENT dev USE_SOURCE_PERMISSIONS
+  FILES_MATCHING PATTERN *.glsl PATTERN *.vert PATTERN *.frag PATTERN translate.sh PATTERN BINDINGS.md
   PATTERN reference EXCLUDE PATTERN include EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/samples/sdl_c/main.c
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/sdl_c COMPONENT dev)
