@@ -19,7 +19,7 @@ layout(location = 0) out vec4 kelp_color;
 vec4 kelpPreviousClip(vec3 rest) {
   if (KELP_SWEPT) {
     int rows = kelpJointsAt() + 2 * (kelp_arc_count + 1);
-    int count = int(kelpRecordBits(rows + 4).x);
+    int count = min(int(kelpRecordBits(rows + 4).x), KELP_MAX_ARCS);
     int arcs = rows + 5;
     int joints = arcs + 4 * count;
     int i = 0;
@@ -53,7 +53,7 @@ void main() {
   KelpPixelRay p = kelpPixelRay(pixel);
   if (!p.good) discard;
   kelp_jitter = kelpJitter(vec2(pixel));
-  kelpLoadLevel(kelpPixelLevel(pixel));
+  if (!kelpLoadLevel(kelpPixelLevel(pixel))) discard;
   KelpHit hit = kelpTrace(kelp_near, p.ray, p.range.x, p.range.y);
   if (!hit.found) discard;
 

@@ -34,7 +34,7 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   KelpPixelRay p = kelpPixelRay(pixel);
   if (!p.good) discard;
-  kelpLoadLevel(kelpPixelLevel(pixel));
+  if (!kelpLoadLevel(kelpPixelLevel(pixel))) discard;
   KelpFog fog = kelpFog(kelp_near, p.ray, p.range.x, p.range.y);
   if (fog.s == KELP_NEVER) discard;
   gl_FragDepth = kelpDepthOf(p.clip_at + fog.s * p.clip_slope);

@@ -126,8 +126,9 @@ KelpFogPlace kelpFogAbove(KelpFogPlace missing, vec3 q) {
     uint table = kelp_levels_at + 3u * uint(kelp_level + place.coarser);
     uint grid = kelpWord(table + 2u);
     ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
-    uint cell =
-        kelpWord(kelpWord(table) + uint(place.at.x + bricks.x * (place.at.y + bricks.y * place.at.z)));
+    uint cells = kelpWord(table);
+    if (cells == 0u) continue;
+    uint cell = kelpWord(cells + uint(place.at.x + bricks.x * (place.at.y + bricks.y * place.at.z)));
     bool stored = cell >= 0x80000000u;
     place.brick = stored ? kelpBrickOf(kelpWord(table + 1u), cell, kelp_fog_stride) : 0u;
     if (stored && place.brick == 0u) continue;
@@ -275,7 +276,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 su
   float end = kelpCurveUntil(c, s_max);
   float b = 0.0;
   bool going = b < end;
-  while (going) {
+  for (int n = 0; going && n < KELP_FOG_STEPS; ++n) {  // n as in kelpMarch
     bool beside = true;
     while (beside) {
       vec3 q = kelpCurveAt(c, b);

@@ -33,7 +33,13 @@
 //   then, with kelp_motion: 4 texels as 0..3 and the segments, of the frame before; of a swept part, a texel
 //          with the number of arcs, the arcs and the joints
 //   then, where distances shade: the record of the instance's next part; all parts of an instance are a ring
+//
+// Either may hold anything: an upload may be late, or never come. So what bounds a loop is bounded itself, by
+// what kelp/formats allows.
 #define KELP_RECORD 13
+#define KELP_MAX_SEGMENTS 63
+#define KELP_MAX_ARCS 256
+#define KELP_MAX_LEVELS 16
 #ifdef KELP_VULKAN
 layout(std430, set = KELP_SET, binding = KELP_BINDING_POOL) readonly buffer KelpPool { uint kelp_pool[]; };
 layout(std430, set = KELP_SET, binding = KELP_BINDING_RECORDS) readonly buffer KelpRecords {
@@ -69,8 +75,8 @@ void kelpLoadRecord(int texel) {
   uvec4 low = kelpRecordBits(texel + 9);
   kelp_bounds_min = uintBitsToFloat(low.xyz);
   bool swept = low.w >= 0x80000000u;
-  kelp_segment_count = swept ? 0 : int(low.w);
-  kelp_arc_count = swept ? int(low.w & 0x7fffffffu) : 0;
+  kelp_segment_count = swept ? 0 : min(int(low.w), KELP_MAX_SEGMENTS);
+  kelp_arc_count = swept ? min(int(low.w & 0x7fffffffu), KELP_MAX_ARCS) : 0;
   kelp_bounds_max = kelpRecord(texel + 10).xyz;
 }
 
@@ -107,20 +113,28 @@ uint kelp_cells_at;
 uint kelp_pages_at;
 ivec2 kelp_grid;  // bricks along x and y
 
-void kelpLoadLevel(int level) {
+// Loads the level, or the next coarser one whose table is in the pool. False: there is none.
+bool kelpLoadLevel(int level) {
   uvec4 volume = kelpRecordBits(kelp_record + 11);
+  int levels = min(int((volume.w >> 16u) & 255u), KELP_MAX_LEVELS);
   kelp_levels_at = kelpRecordBits(kelp_record + 10).w;
-  kelp_level = level;
-  kelp_coarser = int((volume.w >> 16u) & 255u) - 1 - level;
-  kelp_size = uintBitsToFloat(volume.xyz);
-  kelp_level_size = (ivec3(kelp_size) + ((1 << level) - 1)) >> level;
-  kelp_level_scale = 1.0 / float(1 << level);
-  uint at = kelp_levels_at + 3u * uint(level);
-  uint grid = kelpWord(at + 2u);
+  kelp_level = min(level, KELP_MAX_LEVELS - 1);
+  uint at = kelp_levels_at + 3u * uint(kelp_level);
   kelp_cells_at = kelpWord(at);
+  while (kelp_cells_at == 0u && kelp_level + 1 < levels) {
+    ++kelp_level;
+    at += 3u;
+    kelp_cells_at = kelpWord(at);
+  }
+  kelp_coarser = levels - 1 - kelp_level;
+  kelp_size = uintBitsToFloat(volume.xyz);
+  kelp_level_size = (ivec3(kelp_size) + ((1 << kelp_level) - 1)) >> kelp_level;
+  kelp_level_scale = 1.0 / float(1 << kelp_level);
+  uint grid = kelpWord(at + 2u);
   kelp_pages_at = kelpWord(at + 1u);
   kelp_grid = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
   kelp_complete = grid >= 0x80000000u;
+  return kelp_cells_at != 0u;
 }
 
 // The level that a pixel draws. An ordered 8 x 8 pattern of pixels mixes two levels, so that a part that
@@ -146,7 +160,9 @@ uint kelpBrickAbove(int above, ivec3 brick) {
   uint at = kelp_levels_at + 3u * uint(kelp_level + above);
   uint grid = kelpWord(at + 2u);
   ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
-  uint cell = kelpWord(kelpWord(at) + uint(brick.x + bricks.x * (brick.y + bricks.y * brick.z)));
+  uint cells = kelpWord(at);
+  if (cells == 0u) return 0u;
+  uint cell = kelpWord(cells + uint(brick.x + bricks.x * (brick.y + bricks.y * brick.z)));
   return cell < 0x80000000u ? 0u : kelpBrickIn(kelpWord(at + 1u), cell);
 }
 uint kelpCode(uint brick, ivec3 voxel) {

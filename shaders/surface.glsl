@@ -124,10 +124,18 @@ vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
 }
 
 #ifdef KELP_DISTANCES
-// The record of the next part of the same instance; the same one where the view asks for neither of these.
-int kelpNextRecord() {
-  if (!kelp_occlusion && kelp_sun_radius == 0.0) return kelp_record;
-  return int(kelpRecordBits(kelpRecordEnd()).x);
+// Loads the record of the next part of the same instance. False: that was `own`, with which the ring began.
+// Records ascend in a ring, but for one step; so whatever they hold, it ends, and `own` is loaded. There is
+// no ring where the view asks for neither of these.
+bool kelpNextPart(int own, inout bool went_back) {
+  if (!kelp_occlusion && kelp_sun_radius == 0.0) return false;
+  int before = kelp_record;
+  kelpLoadRecord(int(kelpRecordBits(kelpRecordEnd()).x));
+  bool back = kelp_record <= before;
+  bool more = kelp_record != own && !(back && went_back);
+  if (kelp_record != own && !more) kelpLoadRecord(own);
+  went_back = went_back || back;
+  return more;
 }
 
 // World -> the space of the part of this record.
@@ -157,6 +165,7 @@ float kelpOcclusion(KelpSurface s, float reach) {
   vec4 cones = vec4(1.0);
   vec2 ahead = vec2(1.0);
   int own = kelp_record;
+  bool went_back = false;
   do {
     kelpLoadDistances();
     KelpToPart part = kelpToPart();
@@ -181,8 +190,7 @@ float kelpOcclusion(KelpSurface s, float reach) {
           ahead[i - 3] = min(ahead[i - 3], free.x);
       }
     }
-    kelpLoadRecord(kelpNextRecord());
-  } while (kelp_record != own);
+  } while (kelpNextPart(own, went_back));
   cones = max(cones, vec4(-0.2));
   ahead = max(ahead, vec2(-0.3));
   float open = 0.389 * ahead.x + 0.364 * ahead.y + 1.022 * 0.25 * (cones.x + cones.y + cones.z + cones.w);
@@ -203,12 +211,14 @@ float kelpSunVisible(KelpSurface s, float radius) {
   float visible = 1.0;
   int own = kelp_record;
   int own_level = kelp_level;
+  bool went_back = false;
   do {
     KelpToPart part = kelpToPart();
     vec3 origin = part.turn * (from - part.origin);
     float far = length(kelp_bounds_max - kelp_bounds_min) +
                 length(origin - clamp(origin, kelp_bounds_min, kelp_bounds_max));
-    kelpLoadLevel(kelp_record == own ? own_level : int(kelpRecordBits(kelp_record + 11).w & 255u));
+    if (!kelpLoadLevel(kelp_record == own ? own_level : int(kelpRecordBits(kelp_record + 11).w & 255u)))
+      far = -1.0;  // nothing to hit
     kelpLoadDistances();
     kelp_cone = radius;
     vec3 middle = normalize(part.turn * sun);
@@ -242,8 +252,7 @@ float kelpSunVisible(KelpSurface s, float radius) {
       seen /= rays;
     }
     visible *= seen;
-    kelpLoadRecord(kelpNextRecord());
-  } while (kelp_record != own);
+  } while (kelpNextPart(own, went_back));
   kelpLoadLevel(own_level);
   return visible;
 }
@@ -256,7 +265,7 @@ vec2 kelpVisible(KelpSurface s) {
   vec2 visible = vec2(1.0);
   bool soft = kelp_sun_radius > 0.0;
 #if defined(KELP_SECONDARY_RAYS) || defined(KELP_HOST_SURFACE)
-  visible = kelpVisible(s, kelp_self_shadow && !soft, kelp_occlusion ? 0 : kelp_occlusion_rays,
+  visible = kelpVisible(s, kelp_self_shadow && !soft, kelp_occlusion ? 0 : min(kelp_occlusion_rays, 16),
                         kelp_occlusion_reach);
 #endif
   if (soft) visible.x = kelpSunVisible(s, kelp_sun_radius);
@@ -265,7 +274,7 @@ vec2 kelpVisible(KelpSurface s) {
         s, kelp_occlusion_reach * max(max(s.size.x, s.size.y), s.size.z) * length(kelpPartToWorld()[0]));
   return visible;
 #else
-  return kelpVisible(s, kelp_self_shadow, kelp_occlusion_rays, kelp_occlusion_reach);
+  return kelpVisible(s, kelp_self_shadow, min(kelp_occlusion_rays, 16), kelp_occlusion_reach);
 #endif
 }
 

@@ -69,7 +69,7 @@ KELP_FN KelpHit kelpMarchArc(KELP_CONTEXT_ KelpArc g, int number, float from_y, 
   float exit_side = 1.0f;
   bool outside = true;
   bool start = true;
-  for (int n = 0; s <= end && n < KELP_MAX_STEPS; ++n) {
+  while (s <= end && hit.steps + hit.outside < KELP_MAX_STEPS) {
     float p = p0 + s * pd;
     float l = l0 + s * ld;
     float q = q0 + s * qd;
