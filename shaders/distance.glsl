@@ -15,7 +15,7 @@ uint kelp_distances_at;    // their tables
 vec3 kelp_distance_size;   // of the part, level-0 voxels
 void kelpLoadDistances() {
   uvec4 volume = kelpRecordBits(kelp_record + 11);
-  kelp_distance_levels = int(volume.w >> 24u);
+  kelp_distance_levels = min(int(volume.w >> 24u), KELP_MAX_LEVELS);
   kelp_distances_at = kelpRecordBits(kelp_record + 10).w + 3u * ((volume.w >> 16u) & 255u);
   kelp_distance_size = uintBitsToFloat(volume.xyz);
 }

@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: MIT
 // Traces the pixel's ray through a posed part, calls kelpSurface with the hit, writes real depth.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+
+#include "solid.glsl"
+#ifdef KELP_DEBUG
+#include "debug.glsl"
+#elif defined(KELP_HOST_SURFACE)
+#include "kelp_surface.glsl"
+#endif
+#include "pixel.glsl"
+#include "output.glsl"
 
 layout(location = 0) out vec4 kelp_color;
-
-uniform bool kelp_depth_only;  // one program for both passes, so that their depths are bit-identical
 
 // Where a point of the undeformed part was in clip space in the frame before.
 vec4 kelpPreviousClip(vec3 rest) {
   if (KELP_SWEPT) {
     int rows = kelpJointsAt() + 2 * (kelp_arc_count + 1);
-    int count = int(kelpRecordBits(rows + 4).x);
+    int count = min(int(kelpRecordBits(rows + 4).x), KELP_MAX_ARCS);
     int arcs = rows + 5;
     int joints = arcs + 4 * count;
     int i = 0;
@@ -43,7 +53,7 @@ void main() {
   KelpPixelRay p = kelpPixelRay(pixel);
   if (!p.good) discard;
   kelp_jitter = kelpJitter(vec2(pixel));
-  kelpLoadLevel(kelpPixelLevel(pixel));
+  if (!kelpLoadLevel(kelpPixelLevel(pixel))) discard;
   KelpHit hit = kelpTrace(kelp_near, p.ray, p.range.x, p.range.y);
   if (!hit.found) discard;
 

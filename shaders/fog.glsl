@@ -23,12 +23,6 @@
 #define KELP_FOG_SEEN 0.0009765625  // share of the light that one shadow ray stands for
 #define KELP_FOG_STEPS 65536        // a guard: a ray crosses 3 * 8192 cubes at most
 
-// As in surface.glsl, from kelp::gl::View.
-uniform vec3 kelp_sun_direction;
-uniform vec3 kelp_sun_color;
-uniform vec3 kelp_sky_color;
-uniform vec3 kelp_ground_color;
-
 // The meaning of the part's samples. kelpLoadFog sets these.
 vec3 kelp_fog_color;
 float kelp_fog_anisotropy;
@@ -37,6 +31,8 @@ uint kelp_fog_stride;       // words of a brick
 uint kelp_fog_extinctions;  // where they are, one for each level
 uint kelp_fog_ramp;
 int kelp_fog_ramp_colors;
+
+int kelp_fog_coarser = 0;  // levels between the traced one and the brick's where the fog begins
 
 float kelpFloat(uint at) { return uintBitsToFloat(kelpWord(at)); }
 
@@ -130,8 +126,9 @@ KelpFogPlace kelpFogAbove(KelpFogPlace missing, vec3 q) {
     uint table = kelp_levels_at + 3u * uint(kelp_level + place.coarser);
     uint grid = kelpWord(table + 2u);
     ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
-    uint cell =
-        kelpWord(kelpWord(table) + uint(place.at.x + bricks.x * (place.at.y + bricks.y * place.at.z)));
+    uint cells = kelpWord(table);
+    if (cells == 0u) continue;
+    uint cell = kelpWord(cells + uint(place.at.x + bricks.x * (place.at.y + bricks.y * place.at.z)));
     bool stored = cell >= 0x80000000u;
     place.brick = stored ? kelpBrickOf(kelpWord(table + 1u), cell, kelp_fog_stride) : 0u;
     if (stored && place.brick == 0u) continue;
@@ -279,7 +276,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 su
   float end = kelpCurveUntil(c, s_max);
   float b = 0.0;
   bool going = b < end;
-  while (going) {
+  for (int n = 0; going && n < KELP_FOG_STEPS; ++n) {  // n as in kelpMarch
     bool beside = true;
     while (beside) {
       vec3 q = kelpCurveAt(c, b);
@@ -329,7 +326,10 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 su
         KelpCorners density = kelpSquared(kelpCorners(place.brick, cube));
         vec2 rates = min(extinction * way * vec2(kelpBetween(density, f1), kelpBetween(density, f2)), 1e4);
         float depth = 0.5 * (rates.x + rates.y);
-        if (fog.s == KELP_NEVER && depth > 0.0) fog.s = kelpCurveRay(c, b);
+        if (fog.s == KELP_NEVER && depth > 0.0) {
+          fog.s = kelpCurveRay(c, b);
+          kelp_fog_coarser = place.coarser;
+        }
 #ifdef KELP_FOG_HEAT
         if (kelp_fog_ramp_colors > 0) {
           KelpCorners heat = kelpCorners(place.brick + KELP_FOG_CHANNEL, cube);

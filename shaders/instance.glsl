@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Where the tracing core and the proxy find a posed part on the GPU: the frame's records and the pool of
-// voxels. The renderer puts the version and the precisions before this text.
+// voxels.
 
-// The pool: all voxels of all assets as 32-bit words, 1024 to a row, 1024 rows to a layer. runtime/gl/src
-// writes it:
+// The pool: all voxels of all assets as 32-bit words; in a texture, 1024 to a row, 1024 rows to a layer.
+// runtime/gl/src writes it:
 //   of an asset  9 words for each palette entry: base color, emissive, metallic, roughness
 //                then for each part 3 words for each of its levels, finest first: where its cells are, where
 //                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31);
@@ -11,10 +11,9 @@
 //                and for fog the meaning of its samples: fog.glsl, kelpLoadFog
 //   of a level   cells and pages as in kelp/formats/page.h
 //                the page table has a word for each page: where the page is, 0 if it is not resident
-uniform usampler2DArray kelp_pool;
-
-// The frame's records, 1024 texels to a row. First a number for each part that is drawn, four to a texel: the
-// texel of its record. A record:
+//
+// The frame's records, texels of four words; in a texture, 1024 to a row. First a number for each part that
+// is drawn, four to a texel: the texel of its record. A record:
 //   0..3   rows: part space -> clip space; for a host's own shader (scene.glsl) 0..2: world -> part space
 //   4..6   rows: part space -> world
 //   7      the eye in part space (w = 1), or the direction of view (w = 0, orthographic)
@@ -23,7 +22,8 @@ uniform usampler2DArray kelp_pool;
 //          bit 31 is set
 //   10     highest corner of the deformed bounds | where the part's levels are in the pool
 //   11     size of the undeformed volume, level-0 voxels | level (bits 0..7), 64ths of the pixels that draw
-//          the next coarser level (8..15), number of the part's levels (16..23), of distances (24..31)
+//          the next coarser level (8..14), 1 where a finer level is wanted (15), number of the part's levels
+//          (16..23), of distances (24..31)
 //   12     where the palette is: in the pool, or, if bit 31 is set, a word of these records
 //          | index of the instance | part | outline of the bounds
 //          (draw.vert): six corners of three bits, x y z, set for the high side; 0: the eye is in or close to
@@ -33,16 +33,28 @@ uniform usampler2DArray kelp_pool;
 //   then, with kelp_motion: 4 texels as 0..3 and the segments, of the frame before; of a swept part, a texel
 //          with the number of arcs, the arcs and the joints
 //   then, where distances shade: the record of the instance's next part; all parts of an instance are a ring
+//
+// Either may hold anything: an upload may be late, or never come. So what bounds a loop is bounded itself, by
+// what kelp/formats allows.
 #define KELP_RECORD 13
+#define KELP_MAX_SEGMENTS 63
+#define KELP_MAX_ARCS 256
+#define KELP_MAX_LEVELS 16
+#ifdef KELP_VULKAN
+layout(std430, set = KELP_SET, binding = KELP_BINDING_POOL) readonly buffer KelpPool { uint kelp_pool[]; };
+layout(std430, set = KELP_SET, binding = KELP_BINDING_RECORDS) readonly buffer KelpRecords {
+  uvec4 kelp_records[];
+};
+uint kelpWord(uint at) { return kelp_pool[at]; }
+uvec4 kelpRecordBits(int texel) { return kelp_records[texel]; }
+#else
+uniform usampler2DArray kelp_pool;
 uniform usampler2D kelp_records;
-uniform int kelp_first_instance;
-uniform bool kelp_motion;
-
-// A word of the pool.
 uint kelpWord(uint at) {
   return texelFetch(kelp_pool, ivec3(int(at & 1023u), int((at >> 10u) & 1023u), int(at >> 20u)), 0).r;
 }
 uvec4 kelpRecordBits(int texel) { return texelFetch(kelp_records, ivec2(texel & 1023, texel >> 10), 0); }
+#endif
 vec4 kelpRecord(int texel) { return uintBitsToFloat(kelpRecordBits(texel)); }
 
 // The record that this invocation works on. kelpLoadRecord sets these.
@@ -63,8 +75,8 @@ void kelpLoadRecord(int texel) {
   uvec4 low = kelpRecordBits(texel + 9);
   kelp_bounds_min = uintBitsToFloat(low.xyz);
   bool swept = low.w >= 0x80000000u;
-  kelp_segment_count = swept ? 0 : int(low.w);
-  kelp_arc_count = swept ? int(low.w & 0x7fffffffu) : 0;
+  kelp_segment_count = swept ? 0 : min(int(low.w), KELP_MAX_SEGMENTS);
+  kelp_arc_count = swept ? min(int(low.w & 0x7fffffffu), KELP_MAX_ARCS) : 0;
   kelp_bounds_max = kelpRecord(texel + 10).xyz;
 }
 
@@ -101,20 +113,28 @@ uint kelp_cells_at;
 uint kelp_pages_at;
 ivec2 kelp_grid;  // bricks along x and y
 
-void kelpLoadLevel(int level) {
+// Loads the level, or the next coarser one whose table is in the pool. False: there is none.
+bool kelpLoadLevel(int level) {
   uvec4 volume = kelpRecordBits(kelp_record + 11);
+  int levels = min(int((volume.w >> 16u) & 255u), KELP_MAX_LEVELS);
   kelp_levels_at = kelpRecordBits(kelp_record + 10).w;
-  kelp_level = level;
-  kelp_coarser = int((volume.w >> 16u) & 255u) - 1 - level;
-  kelp_size = uintBitsToFloat(volume.xyz);
-  kelp_level_size = (ivec3(kelp_size) + ((1 << level) - 1)) >> level;
-  kelp_level_scale = 1.0 / float(1 << level);
-  uint at = kelp_levels_at + 3u * uint(level);
-  uint grid = kelpWord(at + 2u);
+  kelp_level = min(level, KELP_MAX_LEVELS - 1);
+  uint at = kelp_levels_at + 3u * uint(kelp_level);
   kelp_cells_at = kelpWord(at);
+  while (kelp_cells_at == 0u && kelp_level + 1 < levels) {
+    ++kelp_level;
+    at += 3u;
+    kelp_cells_at = kelpWord(at);
+  }
+  kelp_coarser = levels - 1 - kelp_level;
+  kelp_size = uintBitsToFloat(volume.xyz);
+  kelp_level_size = (ivec3(kelp_size) + ((1 << kelp_level) - 1)) >> kelp_level;
+  kelp_level_scale = 1.0 / float(1 << kelp_level);
+  uint grid = kelpWord(at + 2u);
   kelp_pages_at = kelpWord(at + 1u);
   kelp_grid = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
   kelp_complete = grid >= 0x80000000u;
+  return kelp_cells_at != 0u;
 }
 
 // The level that a pixel draws. An ordered 8 x 8 pattern of pixels mixes two levels, so that a part that
@@ -124,7 +144,7 @@ int kelpPixelLevel(ivec2 pixel) {
   int x = pixel.x ^ pixel.y;
   int order = ((x & 1) << 5) | ((pixel.y & 1) << 4) | ((x & 2) << 2) | ((pixel.y & 2) << 1) | ((x & 4) >> 1) |
               ((pixel.y & 4) >> 2);
-  return int(bits & 255u) + (order < int((bits >> 8u) & 255u) ? 1 : 0);
+  return int(bits & 255u) + (order < int((bits >> 8u) & 127u) ? 1 : 0);
 }
 
 uint kelpCell(ivec3 brick) {
@@ -140,7 +160,9 @@ uint kelpBrickAbove(int above, ivec3 brick) {
   uint at = kelp_levels_at + 3u * uint(kelp_level + above);
   uint grid = kelpWord(at + 2u);
   ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
-  uint cell = kelpWord(kelpWord(at) + uint(brick.x + bricks.x * (brick.y + bricks.y * brick.z)));
+  uint cells = kelpWord(at);
+  if (cells == 0u) return 0u;
+  uint cell = kelpWord(cells + uint(brick.x + bricks.x * (brick.y + bricks.y * brick.z)));
   return cell < 0x80000000u ? 0u : kelpBrickIn(kelpWord(at + 1u), cell);
 }
 uint kelpCode(uint brick, ivec3 voxel) {
@@ -174,7 +196,11 @@ int kelpRecordEnd() {
 #define KELP_CONTEXT
 #define KELP_SEGMENTS kelp_segment_count
 #define KELP_SEGMENT(i) KELP_SEGMENT_AT(kelp_record + KELP_RECORD, i)
-#ifndef KELP_SWEPT
+#if defined(KELP_SWEPT_ONLY)
+#define KELP_SWEPT true
+#elif defined(KELP_SHEARED_ONLY)
+#define KELP_SWEPT false
+#else
 #define KELP_SWEPT (kelp_arc_count > 0)
 #endif
 #define KELP_ARCS kelp_arc_count

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Linear light -> what the framebuffer gets: kelp::gl::View::output.
 
-uniform bool kelp_display;
-
 // Light up to 0.8 stays as it is. Brighter light is compressed so that it never reaches 1, and fades to white
 // the brighter it is: the highlights of Khronos' PBR Neutral tone mapper, without its correction for Fresnel
 // reflection.

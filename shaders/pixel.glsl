@@ -1,12 +1,26 @@
 // SPDX-License-Identifier: MIT
 // The ray of a fragment: from the proxy's varyings to a range of a line in part space.
 
-in vec3 kelp_near;
-flat in int kelp_texel;
+KELP_LOCATION(0) in vec3 kelp_near;
+KELP_LOCATION(1) flat in int kelp_texel;
 
-uniform float kelp_clip_low;  // z / w of the lower clip plane: -1, or 0 with clip control GL_ZERO_TO_ONE
-uniform int kelp_scene;       // kelp_scene_depth holds: 0 nothing, 1 depth, 2 reversed depth
-uniform highp sampler2D kelp_scene_depth;  // one texel for each pixel; rays end there
+// One texel for each pixel; rays end there.
+#ifdef KELP_VULKAN
+layout(set = KELP_SET, binding = KELP_BINDING_SCENE_DEPTH) uniform texture2D kelp_scene_depth;
+#else
+uniform highp sampler2D kelp_scene_depth;
+#endif
+
+// The viewport's range of depths: where it begins, and how long it is.
+#ifndef KELP_DEPTH_FIRST
+#ifdef KELP_VULKAN
+#define KELP_DEPTH_FIRST 0.0
+#define KELP_DEPTH_RANGE 1.0
+#else
+#define KELP_DEPTH_FIRST gl_DepthRange.near
+#define KELP_DEPTH_RANGE gl_DepthRange.diff
+#endif
+#endif
 
 // Depth buffers round, those of 16 bits by 1/131070. So rays end this much beyond the scene's depth, in the
 // buffer's own 0..1, and the depth test decides. Fog has no margin: the depth test knows only where it
@@ -46,8 +60,8 @@ KelpPixelRay kelpPixelRay(ivec2 pixel) {
   if (kelp_scene != 0) {
     // The scene's depth is one more plane that cuts this ray.
     float side = kelp_scene == 1 ? 1.0 : -1.0;
-    float depth = (texelFetch(kelp_scene_depth, pixel, 0).r - gl_DepthRange.near) / gl_DepthRange.diff;
-    float plane = mix(kelp_clip_low, 1.0, depth + side * KELP_SCENE_MARGIN / abs(gl_DepthRange.diff));
+    float depth = (texelFetch(kelp_scene_depth, pixel, 0).r - KELP_DEPTH_FIRST) / KELP_DEPTH_RANGE;
+    float plane = mix(kelp_clip_low, 1.0, depth + side * KELP_SCENE_MARGIN / abs(KELP_DEPTH_RANGE));
     p.range = kelpClip(p.range, side * (plane * p.clip_at.w - p.clip_at.z),
                        side * (plane * p.clip_slope.w - p.clip_slope.z));
   }
@@ -57,6 +71,5 @@ KelpPixelRay kelpPixelRay(ivec2 pixel) {
 
 // The depth buffer's value for a point in clip space.
 float kelpDepthOf(vec4 clip) {
-  return gl_DepthRange.near +
-         gl_DepthRange.diff * ((clip.z / clip.w - kelp_clip_low) / (1.0 - kelp_clip_low));
+  return KELP_DEPTH_FIRST + KELP_DEPTH_RANGE * ((clip.z / clip.w - kelp_clip_low) / (1.0 - kelp_clip_low));
 }

@@ -15,7 +15,9 @@
 //
 // Cost: each ray tests the deformed bounds of every part, and traces the parts whose bounds it meets.
 
-uniform int kelp_part_count;
+#include "solid.glsl"
+
+#define KELP_MAX_PARTS 1048576  // more than there can be
 
 struct KelpSceneHit {
   bool found;
@@ -30,7 +32,9 @@ KelpHit kelpTraceParts(vec3 origin, vec3 direction, float t_max, bool any, out f
   nearest.found = false;
   t = t_max;
   int texel = 0;
-  for (int i = 0; i < kelp_part_count; ++i) {
+  int level = 0;
+  int count = min(kelp_part_count, KELP_MAX_PARTS);
+  for (int i = 0; i < count; ++i) {
     kelpLoadRecord(kelpRecordOf(i));
     mat4 to_part = kelpRows(kelp_record, vec4(0.0, 0.0, 0.0, 1.0));
     vec3 o = (to_part * vec4(origin, 1.0)).xyz;
@@ -45,18 +49,19 @@ KelpHit kelpTraceParts(vec3 origin, vec3 direction, float t_max, bool any, out f
     float t0 = max(max(max(enter.x, enter.y), enter.z), 0.0);
     float t1 = min(min(min(leave.x, leave.y), leave.z), t);
     if (!(t0 <= t1)) continue;
-    kelpLoadLevel(int(kelpRecordBits(kelp_record + 11).w & 255u));
+    if (!kelpLoadLevel(int(kelpRecordBits(kelp_record + 11).w & 255u))) continue;
     // s = 0 where the ray enters, so that numbers are small where the voxels are.
     KelpHit hit = kelpTrace(o + t0 * d, d / speed, 0.0, (t1 - t0) * speed);
     if (!hit.found) continue;
     nearest = hit;
     t = t0 + hit.s / speed;
     texel = kelp_record;
+    level = kelp_level + hit.coarser;
     if (any) break;
   }
   if (nearest.found && !any) {
     kelpLoadRecord(texel);
-    kelpLoadLevel(int(kelpRecordBits(kelp_record + 11).w & 255u) + nearest.coarser);
+    kelpLoadLevel(level);
   }
   return nearest;
 }
@@ -84,7 +89,8 @@ bool kelpBlocked(vec3 origin, vec3 direction, float t_max) {
 // kKelpFar if there is none whose distances are uploaded.
 float kelpDistance(vec3 point) {
   float nearest = kKelpFar;
-  for (int i = 0; i < kelp_part_count; ++i) {
+  int count = min(kelp_part_count, KELP_MAX_PARTS);
+  for (int i = 0; i < count; ++i) {
     kelpLoadRecord(kelpRecordOf(i));
     kelpLoadDistances();
     vec3 p = (kelpRows(kelp_record, vec4(0.0, 0.0, 0.0, 1.0)) * vec4(point, 1.0)).xyz;

@@ -167,10 +167,10 @@ KelpSurface kelpSurfaceAt(KelpHit hit, vec3 position, vec3 ray) {
     uint bits = kelpAttribute(hit.brick, hit.voxel.z & 7, hit.code);
     entry = bits & 255u;
     vec3 rest_normal;
-    if (kelp_shading == KELP_SHADING_SMOOTH) {
+    if (KELP_SHADING == KELP_SHADING_SMOOTH) {
       rest_normal = kelpSmoothNormal(hit, kelpRestDirection(hit, ray), material);
     } else {
-      rest_normal = kelp_shading == KELP_SHADING_FACES ? kelpEntryFace(hit, kelpRestDirection(hit, ray))
+      rest_normal = KELP_SHADING == KELP_SHADING_FACES ? kelpEntryFace(hit, kelpRestDirection(hit, ray))
                                                        : kelpDecodeNormal(bits >> 8u);
       material = kelpMaterial(int(entry));
     }

@@ -40,18 +40,10 @@ struct KelpSurface {
                        // Both are 0 in what a host's own shader traces (scene.glsl).
 };
 
-// From kelp::gl::View. A white, diffuse surface that faces the sun sends kelp_sun_color / pi to the eye.
-uniform vec3 kelp_sun_direction;  // world, unit, towards the sun
-uniform vec3 kelp_sun_color;
-uniform vec3 kelp_sky_color;
-uniform vec3 kelp_ground_color;
-uniform bool kelp_self_shadow;
-uniform int kelp_occlusion_rays;     // 0 .. 16; 0: none
-uniform float kelp_occlusion_reach;  // of the part's longest side
 #ifdef KELP_GRADIENT_ONLY
-const int kelp_shading = 0;
+#define KELP_SHADING 0
 #else
-uniform int kelp_shading;  // kelp::gl::Shading
+#define KELP_SHADING kelp_shading
 #endif
 #define KELP_SHADING_FACES 1
 #define KELP_SHADING_SMOOTH 2
@@ -96,7 +88,7 @@ vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
   mat4 to_world = kelpPartToWorld();
   mat3 to_part = inverse(mat3(to_world));
   float voxel = length(to_world[0]) * float(1 << s.level);
-  float lift = kelp_shading == KELP_SHADING_FACES ? 0.0625 : 1.75;
+  float lift = KELP_SHADING == KELP_SHADING_FACES ? 0.0625 : 1.75;
   vec3 foot = to_part * (s.position - to_world[3].xyz);
   vec3 off = to_part * (voxel * s.normal);
   float far = reach * max(max(s.size.x, s.size.y), s.size.z);
@@ -132,13 +124,18 @@ vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
 }
 
 #ifdef KELP_DISTANCES
-uniform float kelp_sun_radius;  // of the sun's disc, 1 away; 0: no soft shadows
-uniform bool kelp_occlusion;
-
-// The record of the next part of the same instance; the same one where the view asks for neither of these.
-int kelpNextRecord() {
-  if (!kelp_occlusion && kelp_sun_radius == 0.0) return kelp_record;
-  return int(kelpRecordBits(kelpRecordEnd()).x);
+// Loads the record of the next part of the same instance. False: that was `own`, with which the ring began.
+// Records ascend in a ring, but for one step; so whatever they hold, it ends, and `own` is loaded. There is
+// no ring where the view asks for neither of these.
+bool kelpNextPart(int own, inout bool went_back) {
+  if (!kelp_occlusion && kelp_sun_radius == 0.0) return false;
+  int before = kelp_record;
+  kelpLoadRecord(int(kelpRecordBits(kelpRecordEnd()).x));
+  bool back = kelp_record <= before;
+  bool more = kelp_record != own && !(back && went_back);
+  if (kelp_record != own && !more) kelpLoadRecord(own);
+  went_back = went_back || back;
+  return more;
 }
 
 // World -> the space of the part of this record.
@@ -168,6 +165,7 @@ float kelpOcclusion(KelpSurface s, float reach) {
   vec4 cones = vec4(1.0);
   vec2 ahead = vec2(1.0);
   int own = kelp_record;
+  bool went_back = false;
   do {
     kelpLoadDistances();
     KelpToPart part = kelpToPart();
@@ -192,8 +190,7 @@ float kelpOcclusion(KelpSurface s, float reach) {
           ahead[i - 3] = min(ahead[i - 3], free.x);
       }
     }
-    kelpLoadRecord(kelpNextRecord());
-  } while (kelp_record != own);
+  } while (kelpNextPart(own, went_back));
   cones = max(cones, vec4(-0.2));
   ahead = max(ahead, vec2(-0.3));
   float open = 0.389 * ahead.x + 0.364 * ahead.y + 1.022 * 0.25 * (cones.x + cones.y + cones.z + cones.w);
@@ -209,17 +206,19 @@ float kelpSunVisible(KelpSurface s, float radius) {
   vec3 sun = normalize(kelp_sun_direction + max(-facing, 0.0) * s.normal);
   vec3 across = normalize(abs(sun.y) < 0.9 ? vec3(sun.z, 0.0, -sun.x) : vec3(0.0, -sun.z, sun.y));
   vec3 beside = cross(sun, across);
-  float lift = kelp_shading == KELP_SHADING_FACES ? 0.0625 : 1.75;
+  float lift = KELP_SHADING == KELP_SHADING_FACES ? 0.0625 : 1.75;
   vec3 from = s.position + lift * length(kelpPartToWorld()[0]) * float(1 << s.level) * s.normal;
   float visible = 1.0;
   int own = kelp_record;
   int own_level = kelp_level;
+  bool went_back = false;
   do {
     KelpToPart part = kelpToPart();
     vec3 origin = part.turn * (from - part.origin);
     float far = length(kelp_bounds_max - kelp_bounds_min) +
                 length(origin - clamp(origin, kelp_bounds_min, kelp_bounds_max));
-    kelpLoadLevel(kelp_record == own ? own_level : int(kelpRecordBits(kelp_record + 11).w & 255u));
+    if (!kelpLoadLevel(kelp_record == own ? own_level : int(kelpRecordBits(kelp_record + 11).w & 255u)))
+      far = -1.0;  // nothing to hit
     kelpLoadDistances();
     kelp_cone = radius;
     vec3 middle = normalize(part.turn * sun);
@@ -253,8 +252,7 @@ float kelpSunVisible(KelpSurface s, float radius) {
       seen /= rays;
     }
     visible *= seen;
-    kelpLoadRecord(kelpNextRecord());
-  } while (kelp_record != own);
+  } while (kelpNextPart(own, went_back));
   kelpLoadLevel(own_level);
   return visible;
 }
@@ -267,7 +265,7 @@ vec2 kelpVisible(KelpSurface s) {
   vec2 visible = vec2(1.0);
   bool soft = kelp_sun_radius > 0.0;
 #if defined(KELP_SECONDARY_RAYS) || defined(KELP_HOST_SURFACE)
-  visible = kelpVisible(s, kelp_self_shadow && !soft, kelp_occlusion ? 0 : kelp_occlusion_rays,
+  visible = kelpVisible(s, kelp_self_shadow && !soft, kelp_occlusion ? 0 : min(kelp_occlusion_rays, 16),
                         kelp_occlusion_reach);
 #endif
   if (soft) visible.x = kelpSunVisible(s, kelp_sun_radius);
@@ -276,7 +274,7 @@ vec2 kelpVisible(KelpSurface s) {
         s, kelp_occlusion_reach * max(max(s.size.x, s.size.y), s.size.z) * length(kelpPartToWorld()[0]));
   return visible;
 #else
-  return kelpVisible(s, kelp_self_shadow, kelp_occlusion_rays, kelp_occlusion_reach);
+  return kelpVisible(s, kelp_self_shadow, min(kelp_occlusion_rays, 16), kelp_occlusion_reach);
 #endif
 }
 
@@ -307,7 +305,7 @@ vec3 kelpSkyLight(KelpSurface s, vec3 diffuse, vec3 specular) {
   return diffuse * around + specular * (1.0 - 0.5 * s.roughness) * reflected;
 }
 
-#ifndef KELP_HOST_SURFACE
+#if !defined(KELP_HOST_SURFACE) && !defined(KELP_DEBUG)
 vec4 kelpSurface(KelpSurface s) {
   vec3 diffuse = s.color.rgb * (1.0 - s.metallic);
   vec3 specular = mix(vec3(0.04), s.color.rgb, s.metallic);

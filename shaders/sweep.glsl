@@ -69,7 +69,7 @@ KELP_FN KelpHit kelpMarchArc(KELP_CONTEXT_ KelpArc g, int number, float from_y, 
   float exit_side = 1.0f;
   bool outside = true;
   bool start = true;
-  for (int n = 0; s <= end && n < KELP_MAX_STEPS; ++n) {
+  while (s <= end && hit.steps + hit.outside < KELP_MAX_STEPS) {
     float p = p0 + s * pd;
     float l = l0 + s * ld;
     float q = q0 + s * qd;
@@ -282,8 +282,8 @@ KELP_FN KelpNext kelpPutInOrder(KelpNext before, float s, int arc) {
 KELP_FN bool kelpMeetsBall(vec4 ball, vec3 o, vec3 r, vec2 range) {
   vec3 off = vec3(ball.x, ball.y, ball.z) - o;
   float middle = dot(off, r);
-  float half2 = ball.w * ball.w - (dot(off, off) - middle * middle);
-  return half2 >= 0.0f && middle - sqrt(half2) <= range.y && middle + sqrt(half2) >= range.x;
+  float chord2 = ball.w * ball.w - (dot(off, off) - middle * middle);
+  return chord2 >= 0.0f && middle - sqrt(chord2) <= range.y && middle + sqrt(chord2) >= range.x;
 }
 // Narrows s to where o + s r may be in the bounds.
 KELP_FN vec2 kelpBoundsRange(KELP_CONTEXT_ vec3 o, vec3 r, vec2 range) {

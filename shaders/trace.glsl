@@ -116,7 +116,8 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
   bool complete = KELP_COMPLETE;
   float b = 0.0f;
   bool going = b < c.end;
-  while (going) {
+  // Each turn takes a step. n is for compilers by whom a NaN is inside at one place, and beside at another.
+  for (int n = 0; going && n < KELP_MAX_STEPS; ++n) {
     bool beside = true;
     while (beside) {
       vec3 q = kelpCurveAt(c, b);

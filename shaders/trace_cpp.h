@@ -76,13 +76,9 @@ struct Context {
 };
 
 #include "spline.glsl"
-// After spline.glsl.
 #include "curve.glsl"
-// After both.
 #include "trace.glsl"
-// After the three.
 #include "arc.glsl"
-// After all of them.
 #include "sweep.glsl"
 
 inline KelpSegment segmentOf(const Context& context, int i) { return context.segments[i]; }

@@ -26,6 +26,7 @@ format=(clang-format mypy)  # tests/check_house.py, kelp.py
 manual=(groff-base mandoc man-db desktop-file-utils shared-mime-info libglib2.0-bin)  # tests/install
 sanitizers=(clang libclang-rt-14-dev lld llvm)
 lint=(clang-tidy cppcheck)
+vulkan=(glslang-tools spirv-tools spirv-cross)  # shaders/translate.sh
 farm=(snakemake slurm-wlm munge)
 web=(emscripten nodejs dpkg-dev)
 pictures=(webp)  # img2webp
@@ -33,7 +34,8 @@ pictures=(webp)  # img2webp
 case "${1:-all}" in
   all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;
   tests)
-    packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${format[@]}" "${manual[@]}") ;;
+    packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${format[@]}" "${manual[@]}"
+              "${vulkan[@]}") ;;
   sanitizers) packages=("${build[@]}" "${sanitizers[@]}") ;;
   runtime) packages=("${build[@]}" "${runtime[@]}") ;;
   lint) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${lint[@]}") ;;

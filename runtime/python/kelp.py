@@ -172,6 +172,16 @@ class Output(enum.IntEnum):
     DISPLAY = 1
 
 
+class DebugView(enum.IntEnum):
+    """A picture that explains itself: View.debug."""
+    NONE = 0
+    PARTS = 1
+    STEPS = 2
+    LEVELS = 3
+    BOUNDS = 4
+    SPLINES = 5
+
+
 class Pass(enum.IntEnum):
     COLOR = 0
     DEPTH = 1
@@ -277,7 +287,8 @@ _View = _sized(
     sun_direction=c_float * 3, sun_color=c_float * 3, sky_color=c_float * 3, ground_color=c_float * 3,
     shading=c_int32, finest_level=c_int32, pixels_per_voxel=c_float, smallest_pixels=c_float,
     self_shadow=c_uint32, occlusion_rays=c_int32, occlusion_reach=c_float, soft_shadows=c_float,
-    occlusion=c_uint32, depth_batches=c_int32, scene_depth=c_uint32, bind=_Bind, bind_user=c_void_p)
+    occlusion=c_uint32, depth_batches=c_int32, scene_depth=c_uint32, bind=_Bind, bind_user=c_void_p,
+    debug=c_int32)
 
 _p = POINTER
 _LIST = (_p(_Instance), c_uint32)  # instances
@@ -1295,6 +1306,7 @@ class View:
     depth_batches: Optional[int] = None
     scene_depth: Optional[int] = None
     bind: Optional[Callable[[int], None]] = None
+    debug: Optional[DebugView] = None
 
     @staticmethod
     def look_at(size: Tuple[int, int], eye: npt.ArrayLike, target: npt.ArrayLike,

@@ -164,7 +164,7 @@ def check_python(folder, library, text, functions, laid_out):
              "PLAY": module.Play, "STATE": module.State, "UNSOUND": module.Unsound,
              "FEATURE": module.Feature,
              "CLIP_RANGE": module.ClipRange, "SHADING": module.Shading, "OUTPUT": module.Output,
-             "PASS": module.Pass, "READ": module._Read}
+             "DEBUG_VIEW": module.DebugView, "PASS": module.Pass, "READ": module._Read}
     wanted = {}
     for name, value in re.findall(r"^KELP_(\w+) = (-?\d+)$", laid_out, flags=re.M):
         prefix = next((prefix for prefix in enums if re.match(prefix + "(_|$)", name)), None)

@@ -105,7 +105,7 @@ TEST_P(CDraw, PixelsAreThoseOfCpp) {
   const auto cpp = makeCpp(assets, gl::Features::kSecondaryRays | gl::Features::kDistances);
 
   std::vector<std::vector<Pixel>> pictures;
-  for (int kind = 0; kind < 8; ++kind) {
+  for (int kind = 0; kind < 10; ++kind) {
     gl::View view = look();
     view.quality.shading = static_cast<gl::Shading>(kind % 3);
     kelp_view c_view = viewOf(view);
@@ -115,6 +115,8 @@ TEST_P(CDraw, PixelsAreThoseOfCpp) {
       view.light.sun_direction = {-1, 1, 0}, c_view.sun_direction[0] = -1, c_view.sun_direction[1] = 1,
       c_view.sun_direction[2] = 0;
     }
+    if (kind == 8) view.debug = gl::DebugView::kParts, c_view.debug = KELP_DEBUG_VIEW_PARTS;
+    if (kind == 9) view.debug = gl::DebugView::kBounds, c_view.debug = KELP_DEBUG_VIEW_BOUNDS;
     if (kind == 4) view.quality.self_shadow = true, c_view.self_shadow = 1;
     if (kind == 5) {
       view.quality.occlusion_rays = c_view.occlusion_rays = 4;
@@ -360,7 +362,8 @@ TEST_P(CDraw, MistakesAreErrors) {
   EXPECT_KELP(KELP_ERROR_MISUSE, draw()) << "it is left out";
   view.shading = KELP_SHADING_GRADIENT;
   for (std::int32_t kelp_view::*const field :
-       {&kelp_view::shading, &kelp_view::output, &kelp_view::clip_range, &kelp_view::depth_batches}) {
+       {&kelp_view::shading, &kelp_view::output, &kelp_view::clip_range, &kelp_view::depth_batches,
+        &kelp_view::debug}) {
     for (const std::int32_t bad : {-1, 77, 255, 256, 512}) {
       const std::int32_t good = std::exchange(view.*field, bad);
       EXPECT_KELP(KELP_ERROR_MISUSE, draw()) << bad;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 // In a debug context the driver has nothing to say against what kelp does, and kelp says who it is.
 #include <algorithm>
+#include <set>
 
 #include "gl_state.h"
+#include "support/fog_pack.h"
+#include "swept_pack.h"
 
 namespace kelp::test {
 namespace {
@@ -87,6 +90,13 @@ class DebugTest : public testing::TestWithParam<GlApi> {
       pending = uploaded->pending;
     }
     for (std::size_t count = 0; count <= instances.size(); count += 6) frame(count);
+    for (const gl::DebugView debug : {gl::DebugView::kParts, gl::DebugView::kSplines}) {
+      view.debug = debug;
+      frame(4);
+    }
+    view.debug = gl::DebugView::kNone;
+    view.quality.depth_batches = 3;
+    frame(4);
     renderer.remove(*ball_.asset);
     EXPECT_FALSE(renderer.draw(view, instances));
     ASSERT_TRUE(renderer.add(*ball_.asset));
@@ -98,6 +108,8 @@ class DebugTest : public testing::TestWithParam<GlApi> {
   std::optional<EglContext> context_;
   const LoadedAsset ball_{packOf(ballClump({24, 32, 20}, 12, 3))};
   const LoadedAsset clump_{packOf(ballClump({60, 80, 50}, 20, 2))};
+  const LoadedAsset swept_{sweptPackOf(ballClump({24, 32, 20}, 12, 3), 5)};
+  const LoadedAsset fog_{fogPack(fogOf({20, 24, 18}, puffs), 0.05f)};
 };
 
 TEST_P(DebugTest, AMistakeIsComplainedOf) {
@@ -141,8 +153,18 @@ TEST_P(DebugTest, ObjectsHaveLabels) {
   ASSERT_TRUE((*created)->add(*clump_.asset));
   ASSERT_TRUE((*created)->upload(~std::uint64_t{0}));
   const Instance instance{clump_.asset.get(), nullptr};
-  ASSERT_TRUE((*created)->draw(lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0}), {&instance, 1}));
-  int textures = 0, programs = 0;
+  const Instance all[] = {instance, {swept_.asset.get(), nullptr}, {fog_.asset.get(), nullptr}};
+  for (const Instance& other : std::span(all).subspan(1)) ASSERT_TRUE((*created)->add(*other.asset));
+  ASSERT_TRUE((*created)->upload(~std::uint64_t{0}));
+  gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
+  view.quality.depth_batches = 2;
+  for (const gl::DebugView debug : {gl::DebugView::kNone, gl::DebugView::kParts, gl::DebugView::kBounds}) {
+    view.debug = debug;
+    for (const gl::Pass pass : {gl::Pass::kDepth, gl::Pass::kColor, gl::Pass::kFog})
+      ASSERT_TRUE((*created)->draw(view, all, pass));
+  }
+  int textures = 0;
+  std::set<std::string> programs, groups;
   for (const auto& object : objects()) {
     if (std::find(of_the_host.begin(), of_the_host.end(), object) != of_the_host.end()) continue;
     const auto& [kind, name] = object;
@@ -151,10 +173,20 @@ TEST_P(DebugTest, ObjectsHaveLabels) {
     EXPECT_TRUE(std::string(label).starts_with("kelp"))
         << "object " << name << " of kind " << kind << " is labeled \"" << label << '"';
     textures += kind == GL_TEXTURE;
-    programs += kind == GL_PROGRAM;
+    if (kind == GL_PROGRAM) programs.insert(label);
   }
   EXPECT_GT(textures, 0);
-  EXPECT_GT(programs, 0);
+  const std::set<std::string> names{"kelp solids sheared", "kelp solids swept",      "kelp fog sheared",
+                                    "kelp debug solids",   "kelp debug fog sheared", "kelp debug lines"};
+  EXPECT_EQ(programs, names);
+  // Every pass and every program is a group.
+  for (const Message& message : messages_) {
+    if (message.type == GL_DEBUG_TYPE_PUSH_GROUP) groups.insert(message.text);
+  }
+  for (const char* pass : {"kelp create", "kelp add", "kelp upload", "kelp depth", "kelp color", "kelp fog",
+                           "kelp depth batch", "kelp depth copy"})
+    EXPECT_TRUE(groups.contains(pass)) << pass;
+  for (const std::string& name : names) EXPECT_TRUE(groups.contains(name)) << name;
 }
 
 TEST_P(DebugTest, GroupsAreBalanced) {

@@ -75,7 +75,9 @@ TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
   std::vector<Instance> instances(50, Instance{loaded_.asset.get(), &pose});
   for (std::size_t i = 0; i < instances.size(); ++i)
     instances[i].to_world[3].x = 0.02f * static_cast<float>(i);
-  ASSERT_TRUE(renderer.draw(view(), instances));
+  gl::View lines = view();
+  lines.debug = gl::DebugView::kSplines;
+  ASSERT_TRUE(renderer.draw(lines, instances));
   ASSERT_TRUE(renderer.bindTrace(1, view(), instances));
 
   const long own = counter_.calls;
@@ -85,6 +87,7 @@ TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
     edit(pose, 0, 80)[1].tangent.x = static_cast<float>(frame);
     gl::View moved = view();
     moved.quality.pixels_per_voxel = static_cast<float>(frame % 4);  // other levels, other draws
+    moved.debug = static_cast<gl::DebugView>(frame % 6);
     const auto some = std::span(instances).subspan(static_cast<std::size_t>(frame));
     const auto drawn = renderer.draw(moved, some);
     draws += drawn && renderer.draw(moved, some, gl::Pass::kDepth) && renderer.bindTrace(1, moved, some) &&
@@ -99,6 +102,8 @@ TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
 
 // Alone, and with all after it.
 TEST_F(MemoryTest, EveryAllocationMayFail) {
+  gl::View lines = view();
+  lines.debug = gl::DebugView::kBounds;
   const Instance instance{loaded_.asset.get(), nullptr};
   for (const bool and_on : {false, true}) {
     counter_.and_on = and_on;
@@ -119,6 +124,7 @@ TEST_F(MemoryTest, EveryAllocationMayFail) {
       if (!check(renderer) || !check((*renderer)->add(*loaded_.asset))) continue;
       check((*renderer)->upload(~std::uint64_t{0}));
       check((*renderer)->draw(view(), {&instance, 1}));
+      check((*renderer)->draw(lines, {&instance, 1}));
       check((*renderer)->bindTrace(1, view(), {&instance, 1}));
       if (and_on) continue;
       // Uploads that failed for want of memory are made by the next upload, at the latest.

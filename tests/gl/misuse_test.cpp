@@ -163,6 +163,9 @@ TEST_P(MisuseTest, OfViews) {
   view = good;
   view.quality.pixels_per_voxel = std::nanf("");
   expectMisuseOf(view);
+  view = good;
+  view.debug = static_cast<gl::DebugView>(6);
+  expectMisuseOf(view);
 
   for (const Pixel& pixel : canvas.pixels()) ASSERT_EQ(pixel, Pixel{});
   EXPECT_EQ(renderer->draw(good, {})->draws, 0u);

@@ -24,7 +24,8 @@ enum Call : unsigned {
   kDrawDepth = 16,
   kRemove = 32,
   kDestroy = 64,
-  kDrawFog = 128
+  kDrawFog = 128,
+  kDrawDebug = 256
 };
 
 class StateTest : public GlTest {
@@ -88,6 +89,15 @@ class StateTest : public GlTest {
       after(kDraw, "draw, in batches");
       EXPECT_TRUE(renderer.draw(view, {}));
       after(kDraw, "draw, nothing");
+      for (const gl::DebugView debug : {gl::DebugView::kParts, gl::DebugView::kSplines}) {
+        // So far away that the next draw covers its lines.
+        gl::View explained = lookAt(view.camera.viewport, {20, 25, 60}, {0, 0.5f, 0});
+        explained.debug = debug;
+        EXPECT_TRUE(renderer.draw(explained, {&instance_, 1}));
+        after(kDrawDebug, "draw, debug");
+      }
+      EXPECT_TRUE(renderer.draw(view, {&instance_, 1}));
+      after(kDraw, "draw, after debug");
       gl::View wrong;
       wrong.camera.viewport.x = -1;
       EXPECT_FALSE(renderer.draw(wrong, {&instance_, 1}));
@@ -216,8 +226,8 @@ struct Touched {
   int since_es = 30;  // 0: OpenGL only
   int since_gl = 33;
 };
-constexpr unsigned kUploading = kCreate | kAdd | kUpload | kDraw | kDrawDepth | kDrawFog;
-constexpr unsigned kDrawing = kDraw | kDrawDepth | kDrawFog;
+constexpr unsigned kUploading = kCreate | kAdd | kUpload | kDraw | kDrawDepth | kDrawFog | kDrawDebug;
+constexpr unsigned kDrawing = kDraw | kDrawDepth | kDrawFog | kDrawDebug;
 constexpr Touched kTouched[] = {
     {kUploading, "GL_PIXEL_UNPACK_BUFFER_BINDING", 0},
     {kUploading, "GL_UNPACK_ALIGNMENT", 1},
@@ -241,7 +251,7 @@ constexpr Touched kTouched[] = {
     {kDrawing, "GL_SAMPLER_BINDING of unit 2"},
     {kDrawing, "GL_DEPTH_TEST", 1},
     {kDrawing, "GL_DEPTH_FUNC", GL_LEQUAL},
-    {kDraw | kDrawDepth, "GL_DEPTH_WRITEMASK", 1},
+    {kDraw | kDrawDepth | kDrawDebug, "GL_DEPTH_WRITEMASK", 1},
     {kDrawFog, "GL_DEPTH_WRITEMASK", 0},
     {kDrawing, "GL_CULL_FACE", 0},
     {kDrawing, "GL_BLEND", 0},
@@ -258,7 +268,7 @@ constexpr Touched kTouched[] = {
     {kDrawFog, "GL_BLEND_EQUATION_RGB 0", GL_FUNC_ADD, 32, 40},
     {kDrawFog, "GL_BLEND_EQUATION_ALPHA", GL_FUNC_ADD},
     {kDrawFog, "GL_BLEND_EQUATION_ALPHA 0", GL_FUNC_ADD, 32, 40},
-    {kDrawFog, "GL_COLOR_WRITEMASK *", 0, 32},  // of the other draw buffers
+    {kDrawFog | kDrawDebug, "GL_COLOR_WRITEMASK *", 0, 32},  // of the other draw buffers
     {kDrawing, "GL_POLYGON_MODE", GL_FILL, 0},
     {kDrawDepth, "GL_COLOR_WRITEMASK", 0},
     {kDrawDepth, "GL_COLOR_WRITEMASK *", 0, 32},

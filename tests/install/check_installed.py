@@ -2,7 +2,8 @@
 """Usage: check_installed.py PREFIX COMPILER [FLAG...]
 
 Every installed header compiles alone, and includes and names only what is installed: headers of kelp by their
-path or name, other files by their place below share/doc/kelp or by a name that only one file there has."""
+path or name, other files by their place below share/doc/kelp or share/kelp, or by a name that only one file
+there has."""
 
 import os
 import re
@@ -30,7 +31,8 @@ def check_header(header, text, headers, documents):
 
 def main(prefix, compiler, *flags):
     include = os.path.join(prefix, "include")
-    documents = files_below(os.path.join(prefix, "share/doc/kelp"))
+    documents = [path for folder in ("share/doc/kelp", "share/kelp")
+                 for path in files_below(os.path.join(prefix, folder))]
     headers = [path for path in files_below(include) if path.startswith("kelp/")]
     faults = [] if len(headers) > 10 else ["only %d headers are installed" % len(headers)]
     with tempfile.TemporaryDirectory() as folder:

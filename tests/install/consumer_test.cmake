@@ -60,6 +60,10 @@ build(${TEST_DIR}/host ${WORK_DIR}/host "${BUILD_TYPE}" "${CXX_FLAGS}" -DCMAKE_P
   -DCMAKE_DISABLE_FIND_PACKAGE_glm=ON)
 step("host" ${WORK_DIR}/host/host ${WORK_DIR}/cube.kelp)
 
+find_program(spirv_cross spirv-cross)
+if(spirv_cross)
+  step("the shaders" ${WORK_DIR}/prefix/share/kelp/shaders/translate.sh ${WORK_DIR}/translated)
+endif()
 if(PYTHON)
   step("checking the headers" ${PYTHON} -B ${TEST_DIR}/check_installed.py ${WORK_DIR}/prefix ${CXX_COMPILER})
 endif()

@@ -39,13 +39,16 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # The documents that headers cite, in the folders of the sources, so that names and links lead there.
 foreach(document formats/SPEC.md formats/README.md runtime/README.md runtime/HOST_GUIDE.md
   runtime/MISTAKES.md runtime/c/README.md
-  runtime/gl/README.md shaders/README.md shaders/METHOD.md tools/rig/README.md tools/rig/LANGUAGE.md)
+  runtime/gl/README.md shaders/README.md shaders/METHOD.md shaders/BINDINGS.md tools/rig/README.md
+  tools/rig/LANGUAGE.md)
   cmake_path(GET document PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder}
     COMPONENT dev)
 endforeach()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/shaders/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/shaders COMPONENT dev
-  FILES_MATCHING PATTERN *.glsl PATTERN *.vert PATTERN *.frag
+# The shaders for a host that draws by itself: translate.sh reads them.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/shaders/ DESTINATION ${CMAKE_INSTALL_DATADIR}/kelp/shaders
+  COMPONENT dev USE_SOURCE_PERMISSIONS
+  FILES_MATCHING PATTERN *.glsl PATTERN *.vert PATTERN *.frag PATTERN translate.sh PATTERN BINDINGS.md
   PATTERN reference EXCLUDE PATTERN include EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/samples/sdl_c/main.c
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/sdl_c COMPONENT dev)

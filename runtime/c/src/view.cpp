@@ -5,6 +5,9 @@
 
 namespace kelp::c {
 
+template <>
+inline constexpr std::size_t kFirstSize<kelp_view> = offsetof(kelp_view, debug);
+
 kelp_result readView(const kelp_view* from, gl::View& to) {
   kelp_view read;
   if (const kelp_result bad = readStruct(from, read)) return bad;
@@ -29,6 +32,7 @@ kelp_result readView(const kelp_view* from, gl::View& to) {
   to.scene_depth = read.scene_depth;
   to.bind = read.bind;
   to.bind_user = read.bind_user;
+  to.debug = toEnum<gl::DebugView>(read.debug);
   return KELP_OK;
 }
 
@@ -62,5 +66,6 @@ kelp_result kelp_view_defaults(kelp_view* view) {
   out.occlusion = defaults.quality.occlusion;
   out.depth_batches = defaults.quality.depth_batches;
   out.scene_depth = defaults.scene_depth;
+  out.debug = static_cast<kelp_debug_view>(defaults.debug);
   return writeStruct(out, view);
 }

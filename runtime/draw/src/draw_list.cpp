@@ -264,7 +264,8 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
     const Detail wanted = Detail::of(judged.level.of[k]);
     if (placed_[eight].invertible >> k & 1)
       Residency::want(resident, wanted.level, std::min(judged.pixels.of[k], 1e4f));
-    candidate.detail = wanted.level < resident.finest ? Detail{resident.finest, 0} : wanted;
+    candidate.coarse = wanted.level < resident.finest;
+    candidate.detail = candidate.coarse ? Detail{resident.finest, 0} : wanted;
     candidate.drawn = is_seen && resident.finest != resident.levels;
     candidate.recorded = candidate.drawn || (frame.rings && candidate.asset->packed.size() > 1 &&
                                              (placed_[eight].invertible >> k & 1));
@@ -346,9 +347,9 @@ void DrawList::finish(const Frame& frame, const Candidate& candidate, float near
   if (any) worldToPart(head);
   head.tint = candidate.instance->tint;
   head.levels_at = asset.palette() + resident.table;
-  head.detail =
-      static_cast<std::uint32_t>(candidate.detail.level | (any ? 0 : candidate.detail.coarser) << 8 |
-                                 resident.levels << 16 | resident.distances << 24);
+  head.detail = static_cast<std::uint32_t>(candidate.detail.level |
+                                           (any ? 0 : candidate.detail.coarser | candidate.coarse << 7) << 8 |
+                                           resident.levels << 16 | resident.distances << 24);
   head.palette = candidate.palette;
   head.instance = candidate.index;
   head.part = candidate.part;

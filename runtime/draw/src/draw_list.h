@@ -46,6 +46,10 @@ class DrawList {
   // Where the numbers of the parts' records begin, four to a texel.
   std::uint32_t firstNumber() const { return static_cast<std::uint32_t>(4 * texels_); }
   void count(Stats& stats) const;
+  // The record of the part at this place in the order.
+  const RecordHead& record(std::uint32_t place) const {
+    return reinterpret_cast<const RecordHead&>(records_[order_[place].texel]);
+  }
   // The bend of the fog part at this place in the order, and true if a listed fog part of this bend has heat.
   Bend fogBend(std::uint32_t place) const {
     return order_[count_ - 1 - place].key & kSweptFog ? Bend::kSweep : Bend::kShear;
@@ -79,6 +83,7 @@ class DrawList {
     bool drawn;
     bool recorded;  // drawn, or it may shade other parts of its instance
     bool sound;     // false: its instance is left out
+    bool coarse;    // a finer level is wanted than is on the GPU
     // Of a swept part.
     float roll;
     float tolerance;      // of its arcs

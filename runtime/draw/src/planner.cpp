@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "debug_lines.h"
 #include "draw_list.h"
 
 namespace kelp::draw {
@@ -34,6 +35,7 @@ Uniforms uniformsOf(const View& view, Pass pass, Depth depth) {
   to.sun_radius = std::tan(glm::radians(0.5f * quality.soft_shadows));
   to.occlusion = quality.occlusion;
   to.display = view.output == Output::kDisplay;
+  to.debug = static_cast<std::int32_t>(view.debug);
   return to;
 }
 
@@ -45,6 +47,7 @@ struct Planner::Impl {
         log(options.log),
         store(options.allocator, has(options.features, Features::kDistances)),
         list(options.allocator, options.log),
+        lines(options.allocator),
         calls(options.allocator) {}
 
   Features features;
@@ -52,6 +55,7 @@ struct Planner::Impl {
   bool told_no_pixels = false;
   Residency store;
   DrawList list;
+  DebugLines lines;
   Buffer<Call> calls;
 
   Stats stats() const {
@@ -61,8 +65,8 @@ struct Planner::Impl {
     return stats;
   }
   Result<DrawData> build(const View& view, runtime::Instances instances, Pass pass, Depth depth, Rays rays);
-  Result<std::size_t> listSolids(Depth depth, int batches);
-  Result<std::size_t> listFog(bool shadow, Depth depth);
+  Result<std::size_t> listSolids(Depth depth, int batches, bool debug);
+  Result<std::size_t> listFog(Depth depth, bool shadow, bool debug);
 };
 
 Result<DrawData> Planner::Impl::build(const View& view, runtime::Instances instances, Pass pass, Depth depth,
@@ -83,16 +87,15 @@ Result<DrawData> Planner::Impl::build(const View& view, runtime::Instances insta
   data.frame = store.pool().frame();
   data.uniforms = uniformsOf(view, pass, depth);
   data.uniforms.first_instance = static_cast<std::int32_t>(list.firstNumber());
-  data.parts = list.parts();
-  if (data.parts > 0) data.records = list.records();
+  if (data.stats.instances > 0) data.records = list.records();
   return data;
 }
 
 // Near to far, in batches of equal size; sheared parts first.
-Result<std::size_t> Planner::Impl::listSolids(Depth depth, int batches) {
+Result<std::size_t> Planner::Impl::listSolids(Depth depth, int batches, bool debug) {
   const std::uint32_t all = list.parts();
   const std::uint32_t most = depth == Depth::kCopied ? std::min(static_cast<std::uint32_t>(batches), all) : 1;
-  if (!calls.grow(2 * most)) return kNoMemoryForFrame;
+  if (!calls.grow(2 * most + 1)) return kNoMemoryForFrame;
   std::size_t count = 0;
   const auto add = [&](Program program, std::uint32_t begin, std::uint32_t end) {
     const std::uint64_t parts = end - begin;
@@ -103,8 +106,8 @@ Result<std::size_t> Planner::Impl::listSolids(Depth depth, int batches) {
       calls[count++] = {program, first, last - first, most > 1 && some > 1};
     }
   };
-  if (has(features, Features::kDistances)) {
-    add(Program::kEitherBend, 0, all);
+  if (debug || has(features, Features::kDistances)) {
+    add(debug ? Program::kDebug | Program::kEitherBend : Program::kEitherBend, 0, all);
   } else {
     add(Program::kSheared, 0, list.sheared());
     add(Program::kSwept, list.sheared(), all);
@@ -113,15 +116,17 @@ Result<std::size_t> Planner::Impl::listSolids(Depth depth, int batches) {
 }
 
 // Far to near: as many as follow each other and bend alike in one call.
-Result<std::size_t> Planner::Impl::listFog(bool shadow, Depth depth) {
+Result<std::size_t> Planner::Impl::listFog(Depth depth, bool shadow, bool debug) {
   std::size_t count = 0;
   for (std::uint32_t begin = 0, end = 0; begin < list.parts(); begin = end) {
     const Bend bend = list.fogBend(begin);
     while (end < list.parts() && list.fogBend(end) == bend) ++end;
-    if (!calls.grow(count + 1)) return kNoMemoryForFrame;
-    const Program program = Program::kFog | (bend == Bend::kSweep ? Program::kSwept : Program::kSheared) |
-                            (list.hasHeat(bend) ? Program::kFogHeat : Program::kSheared) |
-                            (shadow ? Program::kFogShadow : Program::kSheared);
+    if (!calls.grow(count + 2)) return kNoMemoryForFrame;
+    const auto bit = [](bool wanted, Program set) { return wanted ? set : Program::kSheared; };
+    const Program program =
+        Program::kFog | bit(bend == Bend::kSweep, Program::kSwept) |
+        (debug ? Program::kDebug
+               : bit(list.hasHeat(bend), Program::kFogHeat) | bit(shadow, Program::kFogShadow));
     calls[count] = {program, begin, end - begin, depth == Depth::kCopied && count == 0};
     ++count;
   }
@@ -180,17 +185,28 @@ void Planner::copied() { impl_->store.copied(); }
 Result<DrawData> Planner::draw(const View& view, runtime::Instances instances, Pass pass, Depth depth) {
   Impl& self = *impl_;
   auto data = self.build(view, instances, pass, depth, Rays::kView);
-  if (!data || data->parts == 0) return data;
-  const auto count = pass == Pass::kFog ? self.listFog(view.quality.self_shadow, depth)
-                                        : self.listSolids(depth, view.quality.depth_batches);
-  if (!count) return count.error();
-  data->calls = self.calls.span().first(*count);
-  data->stats.draws = static_cast<std::uint32_t>(*count);
+  if (!data || data->stats.instances == 0) return data;
+  const bool debug = replacesColors(view.debug);
+  const auto listed = pass == Pass::kFog ? self.listFog(depth, view.quality.self_shadow, debug)
+                                         : self.listSolids(depth, view.quality.depth_batches, debug);
+  if (!listed) return listed.error();
+  std::size_t count = *listed;
+  if (view.debug > DebugView::kLevels && pass != Pass::kDepth) {
+    if (auto good = self.lines.build(view, self.list, instances); !good) return good.error();
+    data->lines = self.lines.records();
+    self.calls[count++] = {Program::kLines, 0, self.lines.points()};
+  }
+  data->calls = self.calls.span().first(count);
+  data->stats.draws = static_cast<std::uint32_t>(count);
   return data;
 }
 
 Result<DrawData> Planner::trace(const View& view, runtime::Instances instances) {
-  return impl_->build(view, instances, Pass::kColor, Depth::kNone, Rays::kAny);
+  auto data = impl_->build(view, instances, Pass::kColor, Depth::kNone, Rays::kAny);
+  if (!data) return data;
+  data->uniforms.motion = 0;  // the records have none
+  data->uniforms.part_count = static_cast<std::int32_t>(data->stats.instances);
+  return data;
 }
 
 std::uint64_t Planner::poolBytes() const {

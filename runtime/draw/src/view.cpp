@@ -27,8 +27,9 @@ bool isGood(const Quality& quality) {
 Result<void> checkView(const View& view, Features features) {
   const Camera& camera = view.camera;
   if (camera.viewport.x < 0 || camera.viewport.y < 0 || camera.clip_range > ClipRange::kZeroToOne ||
-      view.output > Output::kDisplay)
-    return Error{ErrorCode::kMisuse, "the view has a negative viewport, or an unknown clip range or output"};
+      view.output > Output::kDisplay || view.debug > DebugView::kSplines)
+    return Error{ErrorCode::kMisuse,
+                 "the view has a negative viewport, or an unknown clip range, output or debug view"};
   const float length = glm::length(view.light.sun_direction);
   if (!std::isfinite(length) || !(length > 0)) return Error{ErrorCode::kMisuse, "the sun has no direction"};
   if (!isGood(view.quality))

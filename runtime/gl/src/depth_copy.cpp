@@ -24,7 +24,7 @@ constexpr DepthCopy::Format DepthCopy::kFormats[6] = {
     {kDepthComponent32, kDepthComponent, kUnsignedInt, 32, false, false, true}};
 
 void DepthCopy::create(const Api& api) {
-  texture_ = makeTexture(api, kTexture2d, "kelp depth");
+  texture_ = makeTexture(api, kTexture2d, "kelp depth copy");
   api.GenFramebuffers(1, &framebuffer_);
 }
 
@@ -55,6 +55,7 @@ bool DepthCopy::allocate(const Api& api, const glm::ivec2& size, const Format& f
                  format.type, nullptr);
   api.BindFramebuffer(kDrawFramebuffer, framebuffer_);
   api.BindFramebuffer(kReadFramebuffer, framebuffer_);
+  label(api, kLabelFramebuffer, framebuffer_, "kelp depth copy");
   // The format tried before may have had a stencil. Before OpenGL 4.1 draw buffers that are named must exist.
   api.FramebufferTexture2D(kDrawFramebuffer, kDepthStencilAttachment, kTexture2d, 0, 0);
   api.FramebufferTexture2D(kDrawFramebuffer, format.stencil ? kDepthStencilAttachment : kDepthAttachment,
@@ -106,6 +107,7 @@ bool DepthCopy::prepare(const Api& api) {
 }
 
 void DepthCopy::copy(const Api& api) const {
+  const DebugGroup group(api, "kelp depth copy");
   const int x0 = std::max(viewport_.x, 0), y0 = std::max(viewport_.y, 0), x1 = viewport_.x + viewport_.z,
             y1 = viewport_.y + viewport_.w;
   api.BindFramebuffer(kReadFramebuffer, static_cast<Name>(source_.framebuffer));

@@ -1,35 +1,36 @@
 // SPDX-License-Identifier: MIT
 #include "program.h"
 
+#include <cstdio>
+#include <cstring>
 #include <memory>
 #include <new>
-
-#include "kelp/shaders/shaders.h"
 
 namespace kelp::gl {
 namespace {
 
 using namespace constant;
 
-constexpr char kDesktopPrelude[] = "#version 330 core\n";
-#define KELP_ES_PRECISIONS                         \
-  "precision highp float;\nprecision highp int;\n" \
-  "precision highp sampler2D;\nprecision highp usampler2D;\nprecision highp usampler2DArray;\n"
-constexpr char kEsPrelude[] = "#version 300 es\n" KELP_ES_PRECISIONS;
-
-constexpr char kRaysDefine[] = "#define KELP_SECONDARY_RAYS\n",
-               kDistancesDefine[] = "#define KELP_DISTANCES\n",
-               kGradientDefine[] = "#define KELP_GRADIENT_ONLY\n";
-
-// Compilers name a place as STRING:LINE. These are the numbers of the strings, which runtime/HOST_GUIDE.md
-// lists for the host.
-constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
-               kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n",
-               kPixelLine[] = "\n#line 1 7\n", kFogLine[] = "\n#line 1 8\n", kSplineLine[] = "#line 1 9\n",
-               kCurveLine[] = "#line 1 10\n", kOutputLine[] = "\n#line 1 11\n",
-               kDistanceLine[] = "#line 1 12\n", kArcLine[] = "#line 1 13\n", kSweepLine[] = "#line 1 14\n",
-               kFogWayLine[] = "\n#line 1 15\n";
-constexpr char kShearedDefine[] = "#define KELP_SWEPT false\n", kSweptDefine[] = "#define KELP_SWEPT true\n";
+enum class Kind : std::uint8_t { kInt, kFloat, kVec3 };
+struct Uniform {
+  const char* name;
+  std::size_t offset;
+  Kind kind;
+};
+#define KELP_UNIFORM(name, kind) \
+  { "kelp_" #name, offsetof(draw::Uniforms, name), Kind::kind }
+constexpr Uniform kUniforms[Program::kUniforms] = {
+    KELP_UNIFORM(first_instance, kInt),  // setFirstInstance()
+    KELP_UNIFORM(sun_direction, kVec3), KELP_UNIFORM(sun_color, kVec3),
+    KELP_UNIFORM(sky_color, kVec3),     KELP_UNIFORM(ground_color, kVec3),
+    KELP_UNIFORM(motion, kInt),         KELP_UNIFORM(depth_only, kInt),
+    KELP_UNIFORM(clip_low, kFloat),     KELP_UNIFORM(scene, kInt),
+    KELP_UNIFORM(shading, kInt),        KELP_UNIFORM(self_shadow, kInt),
+    KELP_UNIFORM(occlusion_rays, kInt), KELP_UNIFORM(occlusion_reach, kFloat),
+    KELP_UNIFORM(sun_radius, kFloat),   KELP_UNIFORM(occlusion, kInt),
+    KELP_UNIFORM(display, kInt),        KELP_UNIFORM(part_count, kInt),
+    KELP_UNIFORM(debug, kInt)};
+#undef KELP_UNIFORM
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
 template <class GetLog>
@@ -42,10 +43,9 @@ void passLog(const Log& sink, std::int32_t length, GetLog&& get) {
   sink.write(sink.user, text.get());
 }
 
-template <std::size_t kCount>
-Name compile(const Api& api, Enum kind, const char* const (&strings)[kCount], const Log& log) {
+Name compile(const Api& api, Enum kind, const draw::ShaderText& text, const Log& log) {
   const Name shader = api.CreateShader(kind);
-  api.ShaderSource(shader, static_cast<std::int32_t>(kCount), strings, nullptr);
+  api.ShaderSource(shader, static_cast<std::int32_t>(text.count), text.strings.data(), nullptr);
   api.CompileShader(shader);
   std::int32_t good = 0;
   api.GetShaderiv(shader, kCompileStatus, &good);
@@ -53,7 +53,7 @@ Name compile(const Api& api, Enum kind, const char* const (&strings)[kCount], co
   std::int32_t length = 0;
   api.GetShaderiv(shader, kInfoLogLength, &length);
   passLog(log, length,
-          [&](std::int32_t size, char* text) { api.GetShaderInfoLog(shader, size, nullptr, text); });
+          [&](std::int32_t size, char* said) { api.GetShaderInfoLog(shader, size, nullptr, said); });
   api.DeleteShader(shader);
   return 0;
 }
@@ -74,59 +74,62 @@ Name link(const Api& api, Name vertex, Name fragment, const Log& log) {
   return 0;
 }
 
-Program locateLook(const Api& api, Name name) {
-  const auto locate = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
-  Program program;
-  program.name = name;
-  program.shading = locate("kelp_shading");
-  program.self_shadow = locate("kelp_self_shadow");
-  program.occlusion_rays = locate("kelp_occlusion_rays");
-  program.occlusion_reach = locate("kelp_occlusion_reach");
-  program.sun_radius = locate("kelp_sun_radius");
-  program.occlusion = locate("kelp_occlusion");
-  program.sun_direction = locate("kelp_sun_direction");
-  program.sun_color = locate("kelp_sun_color");
-  program.sky_color = locate("kelp_sky_color");
-  program.ground_color = locate("kelp_ground_color");
-  return program;
+void writeLabel(draw::Program which, char (&label)[48]) {
+  const auto text = [which](draw::Program bit, const char* there, const char* absent = "") {
+    return has(which, bit) ? there : absent;
+  };
+  using enum draw::Program;
+  const bool one_bend = !has(which, kEitherBend) && !has(which, kLines);
+  std::snprintf(label, sizeof label, "kelp %s%s%s%s%s", text(kDebug, "debug "),
+                text(kLines, "debug lines", text(kFog, "fog", "solids")),
+                one_bend ? text(kSwept, " swept", " sheared") : "", text(kFogHeat, ", heat"),
+                text(kFogShadow, ", shadow"));
 }
 
 }  // namespace
 
-// Without #line: in a host's shader the host numbers the strings.
-TraceStrings traceStrings(const Api& api, Features features) {
-  return {api.es ? KELP_ES_PRECISIONS : "",
-          has(features, Features::kSecondaryRays) ? kRaysDefine : "",
-          has(features, Features::kDistances) ? kDistancesDefine : "",
-          has(features, Features::kGradientOnly) ? kGradientDefine : "",
-          shaders::kInstance,
-          shaders::kSpline,
-          shaders::kCurve,
-          shaders::kTrace,
-          shaders::kArc,
-          shaders::kSweepRecord,
-          shaders::kSweep,
-          has(features, Features::kDistances) ? shaders::kDistance : "",
-          shaders::kSurface,
-          shaders::kShading,
-          shaders::kScene};
+Program locate(const Api& api, Name name) {
+  const auto of = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
+  Program program;
+  program.name = name;
+  for (int i = 0; i < Program::kUniforms; ++i) program.locations[i] = of(kUniforms[i].name);
+  program.pool = of("kelp_pool");
+  program.records = of("kelp_records");
+  program.scene_depth = of("kelp_scene_depth");
+  return program;
 }
 
-TraceProgram locateTrace(const Api& api, Name name) {
-  const auto locate = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
-  return {locate("kelp_pool"), locate("kelp_records"), locate("kelp_first_instance"),
-          locate("kelp_part_count"), locateLook(api, name)};
+void setUniforms(const Api& api, const Program& program, const draw::Uniforms& uniforms) {
+  for (int i = 0; i < Program::kUniforms; ++i) {
+    const std::int32_t location = program.locations[i];
+    if (location < 0) continue;
+    const auto* const at = reinterpret_cast<const unsigned char*>(&uniforms) + kUniforms[i].offset;
+    std::int32_t number;
+    float v[3];
+    std::memcpy(&number, at, sizeof number);
+    switch (kUniforms[i].kind) {
+      case Kind::kInt:
+        api.Uniform1i(location, number);
+        break;
+      case Kind::kFloat:
+        std::memcpy(v, at, sizeof(float)), api.Uniform1f(location, v[0]);
+        break;
+      case Kind::kVec3:
+        std::memcpy(v, at, sizeof v), api.Uniform3f(location, v[0], v[1], v[2]);
+        break;
+    }
+  }
 }
 
-namespace {
+void setFirstInstance(const Api& api, const Program& program, std::int32_t first) {
+  api.Uniform1i(program.locations[0], first);
+}
 
-// From two complete texts.
-template <std::size_t kVertexCount, std::size_t kFragmentCount>
-Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCount],
-                      const char* const (&fragment_text)[kFragmentCount], const char* name_label,
+Result<Program> build(const Api& api, draw::Program which, Features features, const char* surface,
                       const Log& log) {
-  const Name vertex = compile(api, kVertexShader, vertex_text, log);
-  const Name fragment = vertex ? compile(api, kFragmentShader, fragment_text, log) : 0;
+  const draw::ProgramText text = draw::programText(which, dialectOf(api), features, surface);
+  const Name vertex = compile(api, kVertexShader, text.vertex, log);
+  const Name fragment = vertex ? compile(api, kFragmentShader, text.fragment, log) : 0;
   const Name name = fragment ? link(api, vertex, fragment, log) : 0;
   if (vertex) api.DeleteShader(vertex);
   if (fragment) api.DeleteShader(fragment);
@@ -136,81 +139,14 @@ Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCo
   if (!name)
     return Error{ErrorCode::kGraphics,
                  "the shaders do not link; RendererOptions::log got the linker's message"};
-
-  const auto locate = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
+  Program program = locate(api, name);
+  writeLabel(which, program.label);
+  label(api, kLabelProgram, name, program.label);
   api.UseProgram(name);
-  api.Uniform1i(locate("kelp_pool"), kPool);
-  api.Uniform1i(locate("kelp_records"), kRecords);
-  api.Uniform1i(locate("kelp_scene_depth"), kScene);
-  label(api, kLabelProgram, name, name_label);
-
-  Program program = locateLook(api, name);
-  program.first_instance = locate("kelp_first_instance");
-  program.motion = locate("kelp_motion");
-  program.depth_only = locate("kelp_depth_only");
-  program.clip_low = locate("kelp_clip_low");
-  program.scene = locate("kelp_scene");
-  program.display = locate("kelp_display");
+  api.Uniform1i(program.pool, kPool);
+  api.Uniform1i(program.records, kRecords);
+  api.Uniform1i(program.scene_depth, kScene);
   return program;
-}
-
-}  // namespace
-
-Result<Program> buildProgram(const Api& api, const char* surface, Features features, Bend bend,
-                             const Log& log) {
-  const char* const look = surface                                   ? "#define KELP_HOST_SURFACE\n"
-                           : has(features, Features::kSecondaryRays) ? kRaysDefine
-                                                                     : "";
-  const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
-  const char* const vertex_text[] = {prelude,         look, kInstanceLine, shaders::kInstance, kMainLine,
-                                     shaders::kVertex};
-  const char* const fragment_text[] = {
-      prelude, look, has(features, Features::kGradientOnly) ? kGradientDefine : "",
-      // Parts of either kind shade each other.
-      has(features, Features::kDistances) ? kDistancesDefine
-      : bend == Bend::kSweep              ? kSweptDefine
-                                          : kShearedDefine,
-      kInstanceLine, shaders::kInstance, kSplineLine, shaders::kSpline, kCurveLine, shaders::kCurve,
-      kTraceLine, shaders::kTrace, kArcLine, shaders::kArc, kSweepLine, shaders::kSweepRecord,
-      shaders::kSweep, kDistanceLine, has(features, Features::kDistances) ? shaders::kDistance : "",
-      kSurfaceLine, shaders::kSurface, kHostLine, surface ? surface : "", kShadingLine, shaders::kShading,
-      kPixelLine, shaders::kPixel, kOutputLine, shaders::kOutput, kMainLine, shaders::kFragment};
-  return build(api, vertex_text, fragment_text, "kelp program", log);
-}
-
-Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const Log& log) {
-  const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
-  const bool swept = bend == Bend::kSweep;
-  const char* const vertex_text[] = {prelude, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
-  const char* const fragment_text[] = {prelude,
-                                       heat ? "#define KELP_FOG_HEAT\n" : "",
-                                       shadow ? "#define KELP_FOG_SHADOW\n" : "",
-                                       swept ? kSweptDefine : kShearedDefine,
-                                       "#define KELP_SCENE_MARGIN 0.0\n",
-                                       kInstanceLine,
-                                       shaders::kInstance,
-                                       kSplineLine,
-                                       shaders::kSpline,
-                                       kCurveLine,
-                                       shaders::kCurve,
-                                       kTraceLine,
-                                       shaders::kTrace,
-                                       kArcLine,
-                                       swept ? shaders::kArc : "",
-                                       kSweepLine,
-                                       swept ? shaders::kSweepRecord : "",
-                                       swept ? shaders::kSweep : "",
-                                       kFogLine,
-                                       shaders::kFog,
-                                       kFogWayLine,
-                                       swept ? shaders::kFogSwept : shaders::kFogSheared,
-                                       kPixelLine,
-                                       shaders::kPixel,
-                                       kOutputLine,
-                                       shaders::kOutput,
-                                       kMainLine,
-                                       shaders::kFogFragment};
-  return build(api, vertex_text, fragment_text, swept ? "kelp swept fog program" : "kelp fog program", log);
 }
 
 }  // namespace kelp::gl

@@ -9,7 +9,9 @@ namespace kelp::gl {
 
 using namespace constant;
 
-Result<void> uploadRecords(const Api& api, RecordTextures& textures, std::span<const glm::uvec4> records) {
+Result<void> uploadRecords(const Api& api, RecordTextures& textures, const char* label,
+                           std::span<const glm::uvec4> records) {
+  if (records.empty()) return {};
   constexpr auto kWidth = static_cast<std::int32_t>(draw::kRecordWidth);
   const std::size_t rows = records.size() / draw::kRecordWidth;
   const auto most = static_cast<std::size_t>(api.max_texture_size);
@@ -18,7 +20,8 @@ Result<void> uploadRecords(const Api& api, RecordTextures& textures, std::span<c
     const std::size_t fresh = std::min(std::max(rows, 2 * textures.rows), most);
     textures.rows = 0;
     drainErrors(api);
-    for (const Name name : textures.names) {
+    for (Name& name : textures.names) {
+      if (name == 0) name = makeTexture(api, kTexture2d, label);
       api.BindTexture(kTexture2d, name);
       api.TexImage2D(kTexture2d, 0, kRgba32ui, kWidth, static_cast<std::int32_t>(fresh), 0, kRgbaInteger,
                      kUnsignedInt, nullptr);

@@ -17,9 +17,12 @@ struct RecordTextures {
   Name names[kCount] = {};
   std::size_t rows = 0;  // of each
   int now = 0;
+  Name name() const { return names[now]; }
 };
 
-// Within an UploadGuard. `records`: rows of draw::kRecordWidth texels.
-Result<void> uploadRecords(const Api& api, RecordTextures& textures, std::span<const glm::uvec4> records);
+// Makes the textures when they are first used. Within an UploadGuard. `records`: rows of draw::kRecordWidth
+// texels; none: nothing happens.
+Result<void> uploadRecords(const Api& api, RecordTextures& textures, const char* label,
+                           std::span<const glm::uvec4> records);
 
 }  // namespace kelp::gl

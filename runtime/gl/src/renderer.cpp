@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "depth_copy.h"
@@ -24,26 +25,8 @@ constexpr Error kIncomplete{
     ErrorCode::kMisuse, "the framebuffer to draw into is not complete; glCheckFramebufferStatus says why"};
 static_assert(kFirstHostUnit >= kTextureUnits);
 
-void bindUnit(const Api& api, Unit unit, Name texture) {
-  api.ActiveTexture(kTexture0 + static_cast<Enum>(unit));
-  api.BindTexture(kUnitTargets[unit], texture);
-}
-
-// The uniforms of the look, in the program in use.
-void setLook(const Api& api, const Program& program, const draw::Uniforms& uniforms) {
-  const auto set = [&api](std::int32_t location, const glm::vec3& v) {
-    api.Uniform3f(location, v.x, v.y, v.z);
-  };
-  set(program.sun_direction, uniforms.sun_direction);
-  set(program.sun_color, uniforms.sun_color);
-  set(program.sky_color, uniforms.sky_color);
-  set(program.ground_color, uniforms.ground_color);
-  api.Uniform1i(program.shading, uniforms.shading);
-  api.Uniform1i(program.self_shadow, static_cast<std::int32_t>(uniforms.self_shadow));
-  api.Uniform1i(program.occlusion_rays, uniforms.occlusion_rays);
-  api.Uniform1f(program.occlusion_reach, uniforms.occlusion_reach);
-  api.Uniform1f(program.sun_radius, uniforms.sun_radius);
-  api.Uniform1i(program.occlusion, static_cast<std::int32_t>(uniforms.occlusion));
+draw::View drawView(const View& view) {
+  return {view.camera, view.light, view.quality, view.output, view.debug};
 }
 
 }  // namespace
@@ -65,11 +48,11 @@ struct Renderer::Impl {
   Program programs[draw::kPrograms];  // those that assets need
   Name vertex_array = 0;
   Name sampler = 0;
-  RecordTextures records, traced_records;
+  RecordTextures records, traced_records, lines;
   DepthCopy depth;
   PoolTexture pool;
   std::unique_ptr<draw::Planner> planner;
-  TraceStrings trace_strings{};
+  draw::ShaderText trace_text;
 
   // Null: OpenGL may be called.
   const Error* unusable() const {
@@ -77,7 +60,7 @@ struct Renderer::Impl {
   }
   void setState(const Program& used, const View& view, Pass pass, const draw::Uniforms& uniforms,
                 Name scene_depth) const;
-  Result<void> prepare(std::uint32_t programs);
+  Result<void> prepare(draw::Program which);
   void copyToPool() {
     pool.write(api, planner->copies());
     planner->copied();
@@ -91,7 +74,7 @@ void Renderer::Impl::setState(const Program& used, const View& view, Pass pass,
   api.BindVertexArray(vertex_array);
   for (int unit = 0; unit < kTextureUnits; ++unit) api.BindSampler(static_cast<Name>(unit), sampler);
   bindUnit(api, kPool, pool.name());
-  bindUnit(api, kRecords, records.names[records.now]);
+  bindUnit(api, kRecords, records.name());
   bindUnit(api, kScene, scene_depth);
   api.Enable(kDepthTest);
   api.DepthFunc(view.camera.reversed_depth ? kGequal : kLequal);
@@ -101,27 +84,16 @@ void Renderer::Impl::setState(const Program& used, const View& view, Pass pass,
   if (!api.es) api.PolygonMode(kFrontAndBack, kFill);
   if (pass == Pass::kDepth) api.ColorMask(0, 0, 0, 0);
 
-  setLook(api, used, uniforms);
-  api.Uniform1i(used.motion, static_cast<std::int32_t>(uniforms.motion));
-  api.Uniform1i(used.depth_only, static_cast<std::int32_t>(uniforms.depth_only));
-  api.Uniform1f(used.clip_low, uniforms.clip_low);
-  api.Uniform1i(used.display, static_cast<std::int32_t>(uniforms.display));
-  api.Uniform1i(used.scene, uniforms.scene);
+  setUniforms(api, used, uniforms);
 }
 
-// Compiles those of the programs (bit i: Program i) that are not there yet. Within a DrawGuard.
-Result<void> Renderer::Impl::prepare(std::uint32_t set) {
-  for (int i = 0; i < draw::kPrograms; ++i) {
-    if (!(set >> i & 1) || programs[i].name != 0) continue;
-    const auto which = static_cast<draw::Program>(i);
-    const auto is = [which](draw::Program bit) { return has(which, bit); };
-    const Bend bend = is(draw::Program::kSwept) ? Bend::kSweep : Bend::kShear;
-    const auto built = is(draw::Program::kFog) ? buildFogProgram(api, bend, is(draw::Program::kFogHeat),
-                                                                 is(draw::Program::kFogShadow), log)
-                                               : buildProgram(api, surface.data(), features, bend, log);
-    if (!built) return built.error();
-    programs[i] = *built;
-  }
+// Compiles a program that is not there yet. Within a DrawGuard.
+Result<void> Renderer::Impl::prepare(draw::Program which) {
+  Program& program = programs[static_cast<std::size_t>(which)];
+  if (program.name != 0) return {};
+  const auto built = build(api, which, features, surface.data(), log);
+  if (!built) return built.error();
+  program = *built;
   return {};
 }
 
@@ -156,9 +128,9 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const RendererOptions& option
   if (auto good = self.pool.create(self.api, self.planner->poolBytes()); !good) return good.error();
   self.copyToPool();
   const bool either = has(self.features, Features::kDistances);
-  const draw::Program solid = either ? draw::Program::kEitherBend : draw::Program::kSheared;
-  if (auto good = self.prepare(1u << static_cast<int>(solid)); !good) return good.error();
-  self.trace_strings = traceStrings(self.api, self.features);
+  if (auto good = self.prepare(either ? draw::Program::kEitherBend : draw::Program::kSheared); !good)
+    return good.error();
+  self.trace_text = draw::traceText(dialectOf(self.api), self.features);
   self.api.GenVertexArrays(1, &self.vertex_array);
   self.api.BindVertexArray(self.vertex_array);  // only then the name is an object that can be labeled
   label(self.api, kLabelVertexArray, self.vertex_array, "kelp without vertices");
@@ -168,9 +140,6 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const RendererOptions& option
     self.api.SamplerParameteri(self.sampler, filter, kNearest);
   self.api.SamplerParameteri(self.sampler, kTextureCompareMode, kNone);
   label(self.api, kLabelSampler, self.sampler, "kelp nearest");
-  for (Name& name : self.records.names) name = makeTexture(self.api, kTexture2d, "kelp records");
-  for (Name& name : self.traced_records.names)
-    name = makeTexture(self.api, kTexture2d, "kelp traced records");
   self.depth.create(self.api);
   return renderer;
 }
@@ -179,8 +148,8 @@ Renderer::~Renderer() {
   Impl& self = *impl_;
   if (self.unusable()) return;  // objects of another context are not touched
   self.pool.destroy(self.api);
-  self.api.DeleteTextures(RecordTextures::kCount, self.records.names);
-  self.api.DeleteTextures(RecordTextures::kCount, self.traced_records.names);
+  for (const RecordTextures* textures : {&self.records, &self.traced_records, &self.lines})
+    self.api.DeleteTextures(RecordTextures::kCount, textures->names);
   self.depth.destroy(self.api);
   self.api.DeleteSamplers(1, &self.sampler);
   self.api.DeleteVertexArrays(1, &self.vertex_array);
@@ -193,7 +162,11 @@ Result<void> Renderer::add(const runtime::Asset& asset) {
   const DebugGroup group(self.api, "kelp add");
   const UploadGuard guard(self.api, self.restore);
   const DrawGuard draw(self.api, self.restore);
-  if (auto good = self.prepare(self.planner->programs(asset)); !good) return good;
+  const std::uint32_t needed = self.planner->programs(asset);
+  for (std::uint32_t i = 0; i < 32; ++i) {
+    if (!(needed >> i & 1)) continue;
+    if (auto good = self.prepare(static_cast<draw::Program>(i)); !good) return good;
+  }
   const auto added = self.planner->add(asset);
   self.copyToPool();
   return added;
@@ -225,38 +198,57 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
     const UploadGuard guard(api, self.restore);
     if (self.depth.prepare(api)) depth = draw::Depth::kCopied;
   }
-  const auto data =
-      self.planner->draw({view.camera, view.light, view.quality, view.output}, instances, pass, depth);
+  const auto data = self.planner->draw(drawView(view), instances, pass, depth);
   if (!data) return data.error();
   if (data->calls.empty()) return data->stats;
-  const DebugGroup group(api, pass == Pass::kDepth ? "kelp depth" : fog ? "kelp fog" : "kelp draw");
+  const DebugGroup group(api, pass == Pass::kDepth ? "kelp depth" : fog ? "kelp fog" : "kelp color");
   {
     const UploadGuard guard(api, self.restore);
-    if (auto good = uploadRecords(api, self.records, data->records); !good) return good.error();
+    if (auto good = uploadRecords(api, self.records, "kelp records", data->records); !good)
+      return good.error();
+    if (auto good = uploadRecords(api, self.lines, "kelp debug lines", data->lines); !good)
+      return good.error();
   }
   const DrawGuard guard(api, self.restore);
   const bool copies = depth == draw::Depth::kCopied;
   const Name scene_depth = copies ? self.depth.texture() : view.scene_depth;
+  for (const draw::Call& call : data->calls) {
+    if (auto good = self.prepare(call.program); !good) return good.error();
+  }
   const Program* used = nullptr;
+  std::optional<DebugGroup> of_program;
   for (const draw::Call& call : data->calls) {
     const Program& program = self.programs[static_cast<std::size_t>(call.program)];
-    if (call.copies_depth) self.depth.copy(api);
+    const bool lines = has(call.program, draw::Program::kLines),
+               debug = has(call.program, draw::Program::kDebug);
     if (&program != used) {
+      of_program.reset();
+      of_program.emplace(api, program.label);
       self.setState(program, view, pass, data->uniforms, scene_depth);
-      if (view.bind && !fog) view.bind(view.bind_user, program.name);
+      if (debug || lines) maskOtherBuffers(api);
+      if (view.bind && !fog && !debug && !lines) view.bind(view.bind_user, program.name);
     }
     used = &program;
-    const std::int32_t first = static_cast<std::int32_t>(call.first);
-    api.Uniform1i(program.first_instance, data->uniforms.first_instance + first);
+    if (lines) {
+      bindUnit(api, kRecords, self.lines.name());
+      api.Disable(kDepthTest);  // no depth is written either
+      api.DrawArraysInstanced(constant::kLines, 0, static_cast<std::int32_t>(call.count), 1);
+      api.Enable(kDepthTest);
+      continue;
+    }
+    std::optional<DebugGroup> batch;
+    if (call.copies_depth && !fog) batch.emplace(api, "kelp depth batch");
+    if (call.copies_depth) self.depth.copy(api);
     std::optional<BlendGuard> blend;
     if (fog) blend.emplace(api, self.restore);
+    setFirstInstance(api, program, data->uniforms.first_instance + static_cast<std::int32_t>(call.first));
     api.DrawArraysInstanced(kTriangleStrip, 0, 6, static_cast<std::int32_t>(call.count));
   }
   if (copies) bindUnit(api, kScene, 0);  // the host must not find the copy bound
   return data->stats;
 }
 
-std::span<const char* const> Renderer::traceGlsl() const { return impl_->trace_strings; }
+std::span<const char* const> Renderer::traceGlsl() const { return impl_->trace_text.all(); }
 
 Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, runtime::Instances instances,
                                   int first_unit) {
@@ -268,12 +260,13 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, runti
   if (!linked) return Error{ErrorCode::kMisuse, "`program` is not a linked program of this context"};
   if (first_unit < 0 || first_unit > api.max_texture_units - 2)
     return Error{ErrorCode::kMisuse, "first_unit or the next is not a texture unit of this context"};
-  const auto data = self.planner->trace({view.camera, view.light, view.quality, view.output}, instances);
+  const auto data = self.planner->trace(drawView(view), instances);
   if (!data) return data.error();
   const DebugGroup group(api, "kelp trace");
-  if (data->parts > 0) {
+  {
     const UploadGuard guard(api, self.restore);
-    if (auto good = uploadRecords(api, self.traced_records, data->records); !good) return good.error();
+    if (auto good = uploadRecords(api, self.traced_records, "kelp traced records", data->records); !good)
+      return good.error();
   }
   std::int32_t before = 0, unit_before = 0;
   if (self.restore) {
@@ -281,19 +274,17 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, runti
     api.GetIntegerv(kActiveTexture, &unit_before);
   }
   const std::pair<Enum, Name> textures[] = {{kTexture2dArray, self.pool.name()},
-                                            {kTexture2d, self.traced_records.names[self.traced_records.now]}};
+                                            {kTexture2d, self.traced_records.name()}};
   for (int i = 0; i < 2; ++i) {
     api.ActiveTexture(kTexture0 + static_cast<Enum>(first_unit + i));
     api.BindTexture(textures[i].first, textures[i].second);
     api.BindSampler(static_cast<Name>(first_unit + i), self.sampler);
   }
   api.UseProgram(program);
-  const TraceProgram locations = locateTrace(api, program);
-  api.Uniform1i(locations.pool, first_unit);
-  api.Uniform1i(locations.records, first_unit + 1);
-  api.Uniform1i(locations.first_instance, data->uniforms.first_instance);
-  api.Uniform1i(locations.part_count, static_cast<std::int32_t>(data->parts));
-  setLook(api, locations.look, data->uniforms);
+  const Program used = locate(api, program);
+  api.Uniform1i(used.pool, first_unit);
+  api.Uniform1i(used.records, first_unit + 1);
+  setUniforms(api, used, data->uniforms);
   if (self.restore) {
     // It may have been deleted while it was current.
     api.UseProgram(api.IsProgram(static_cast<Name>(before)) ? static_cast<Name>(before) : 0);
@@ -309,7 +300,7 @@ void Renderer::abandon() {
 
 std::optional<int> levelAt(const View& view, const runtime::Instance& instance, int part,
                            const glm::ivec2& pixel) {
-  return draw::levelAt({view.camera, view.light, view.quality, view.output}, instance, part, pixel);
+  return draw::levelAt(drawView(view), instance, part, pixel);
 }
 
 }  // namespace kelp::gl

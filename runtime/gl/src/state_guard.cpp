@@ -106,6 +106,11 @@ DrawGuard::~DrawGuard() {
   }
 }
 
+void maskOtherBuffers(const Api& api) {
+  if (!api.ColorMaski) return;
+  for (int i = 1; i < api.draw_buffers; ++i) api.ColorMaski(static_cast<Name>(i), 0, 0, 0, 0);
+}
+
 BlendGuard::BlendGuard(const Api& api, bool restore) : api_(api), restore_(restore) {
   if (restore) {
     api.GetIntegerv(kBlendEquationRgb, &equations_[0]);
@@ -119,7 +124,7 @@ BlendGuard::BlendGuard(const Api& api, bool restore) : api_(api), restore_(resto
     return;
   }
   api.Enablei(kBlend, 0);
-  for (int i = 1; i < api.draw_buffers; ++i) api.ColorMaski(static_cast<Name>(i), 0, 0, 0, 0);
+  maskOtherBuffers(api);
 }
 
 BlendGuard::~BlendGuard() {

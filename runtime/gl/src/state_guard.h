@@ -11,6 +11,11 @@ inline constexpr int kTextureUnits = 3;
 // The target that kelp binds on each unit it draws with; the order of Unit in program.h.
 inline constexpr Enum kUnitTargets[kTextureUnits] = {constant::kTexture2dArray, constant::kTexture2d,
                                                      constant::kTexture2d};
+// Binds a texture to one of them, which becomes the active unit.
+inline void bindUnit(const Api& api, int unit, Name texture) {
+  api.ActiveTexture(constant::kTexture0 + static_cast<Enum>(unit));
+  api.BindTexture(kUnitTargets[unit], texture);
+}
 
 // State that filling textures changes: pixel store, the pixel unpack buffer, and a 2D texture and a 2D array
 // on the active unit. Sets the pixel store to tightly packed rows from client memory.
@@ -57,6 +62,9 @@ class DrawGuard {
   std::uint32_t blend_ = 0;  // bit i: draw buffer i
   std::uint8_t color_mask_[kMaxDrawBuffers][4] = {};
 };
+
+// Masks the colors of all draw buffers but the first, where the context can; DrawGuard restores them.
+void maskOtherBuffers(const Api& api);
 
 // State that fog changes in addition, and sets: the blending of the first draw buffer, and the masks of the
 // others, which DrawGuard restores. Within a DrawGuard.

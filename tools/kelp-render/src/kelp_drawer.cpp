@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Draws by kelp's own method: kelp::gl::Renderer.
+#define GL_GLEXT_PROTOTYPES
+#include <GL/glcorearb.h>
+
 #include <cstdio>
 
 #include "drawer.h"
@@ -18,7 +21,8 @@ class KelpDrawer final : public Drawer {
       : colors_(style.colors), es_(es), slice_(options.view == ViewKind::kDistance) {
     gl::RendererOptions config;
     config.getProcAddress = HeadlessContext::getProcAddress;
-    config.surface_glsl = style.surface.empty() ? nullptr : style.surface.c_str();
+    config.surface_glsl =
+        style.surface.empty() || style.debug != gl::DebugView::kNone ? nullptr : style.surface.c_str();
     if ((options.shadows && options.soft_shadows == 0) || options.occlusion > 0)
       config.features = gl::Features::kSecondaryRays;
     if (slice_ || options.shadesByDistances()) config.features = config.features | gl::Features::kDistances;
@@ -29,6 +33,7 @@ class KelpDrawer final : public Drawer {
     renderer_ = checkPack("OpenGL", gl::Renderer::create(config));
     for (const auto& [key, pack] : scene.packs()) checkPack(key.path, renderer_->add(*pack));
     checkPack("OpenGL", renderer_->upload(~std::uint64_t{0}));
+    glLineWidth(static_cast<float>(options.samples));  // a pixel of the picture
   }
 
   void draw(const gl::View& view, std::span<const runtime::Instance> instances) override {

@@ -65,6 +65,7 @@ void run(const Options& options) {
 
   gl::View view;
   view.camera.viewport = options.samples * options.size;
+  view.debug = style.debug;
   view.quality.shading = options.shading;
   view.quality.self_shadow = options.shadows && options.soft_shadows == 0;
   view.quality.occlusion_rays = options.occlusion;

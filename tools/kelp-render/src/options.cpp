@@ -47,13 +47,14 @@ bool parseVector(std::string_view text, glm::vec3& out) {
 
 ViewKind parseView(const std::string& text) {
   static const std::map<std::string, ViewKind> views{
-      {"shaded", ViewKind::kShaded}, {"normals", ViewKind::kNormals}, {"depth", ViewKind::kDepth},
-      {"steps", ViewKind::kSteps},   {"level", ViewKind::kLevel},     {"distance", ViewKind::kDistance}};
-  if (text == "parts" || text == "fit")
-    throw ToolError(Exit::kUsage,
-                    fmt::format("--view {} is gone; see clips[].fit of kelp-bake --report", text));
+      {"shaded", ViewKind::kShaded},     {"normals", ViewKind::kNormals}, {"depth", ViewKind::kDepth},
+      {"distance", ViewKind::kDistance}, {"parts", ViewKind::kParts},     {"steps", ViewKind::kSteps},
+      {"level", ViewKind::kLevel},       {"bounds", ViewKind::kBounds},   {"splines", ViewKind::kSplines}};
+  if (text == "fit")
+    throw ToolError(Exit::kUsage, "--view fit is gone; see clips[].fit of kelp-bake --report");
   const auto found = views.find(text);
-  if (found == views.end()) refuse("--view", text, "shaded, normals, depth, steps, level or distance");
+  if (found == views.end())
+    refuse("--view", text, "shaded, normals, depth, distance, parts, steps, level, bounds or splines");
   return found->second;
 }
 
@@ -132,6 +133,12 @@ void checkPaperOptions(const Options& options, int level) {
     throw ToolError(
         Exit::kUsage,
         fmt::format("--view distance: is the same for every method; leave --method {} out", method));
+  if (options.view == ViewKind::kParts || options.view == ViewKind::kBounds ||
+      options.view == ViewKind::kSplines)
+    throw ToolError(
+        Exit::kUsage,
+        fmt::format("--view parts, bounds, splines: --method {} does not draw them; leave --method out",
+                    method));
   if (options.shading != gl::Shading::kGradient)
     throw ToolError(Exit::kUsage, fmt::format("--shading: --method {} has one normal for each voxel; leave "
                                               "--shading out",
@@ -235,7 +242,7 @@ void addPictureOptions(CLI::App& app, Options& options, PictureText& text) {
       ->required()
       ->option_text("OUT.png");
   app.add_option("--view", text.view, "what to show")
-      ->option_text("shaded|normals|depth|steps|level|distance [shaded]");
+      ->option_text("shaded|normals|depth|distance|parts|steps|level|bounds|splines [shaded]");
   app.add_option(
          "--method", text.method,
          "how rays are traced: by kelp, or as the paper published it, with constant steps or distance-field "

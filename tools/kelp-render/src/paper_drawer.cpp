@@ -127,7 +127,7 @@ PaperDrawer::PaperDrawer(const Options& options, const ViewStyle& style, const S
   if (options.shadows || options.occlusion > 0) text.push_back("#define KELP_SECONDARY_RAYS\n");
   text.insert(text.end(), {shaders::kSpline, glsl::kPaperPart, glsl::kPaper, glsl::kPaperRay});
   std::vector<const char*> count_text = text;
-  text.insert(text.end(), {shaders::kSurface, style.surface.c_str(), glsl::kPaperDraw});
+  text.insert(text.end(), {shaders::kUniforms, shaders::kSurface, style.surface.c_str(), glsl::kPaperDraw});
   count_text.push_back(glsl::kPaperCount);
   drawer_ = std::make_unique<GlProgram>(text, es);
   counter_ = std::make_unique<GlProgram>(count_text, es);

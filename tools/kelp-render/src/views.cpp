@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "kelp/shaders/shaders.h"
+
 namespace kelp::render {
 namespace {
 
@@ -19,24 +21,12 @@ vec4 kelpSurface(KelpSurface s) {{
 }}
 )";
 
-// Blue 0, green 16, yellow 32, red 64 and more.
-constexpr char kSteps[] = R"(
-vec4 kelpSurface(KelpSurface s) {
-  float x = clamp(float(s.steps) / 64.0, 0.0, 1.0);
-  vec3 low = mix(vec3(0.1, 0.2, 0.7), vec3(0.1, 0.75, 0.3), clamp(4.0 * x, 0.0, 1.0));
-  vec3 middle = mix(low, vec3(0.95, 0.85, 0.2), clamp(4.0 * x - 1.0, 0.0, 1.0));
-  return vec4(mix(middle, vec3(0.85, 0.1, 0.1), clamp(2.0 * x - 1.0, 0.0, 1.0)), 1.0);
+// kelp draws these itself; for the paper's method, the same GLSL.
+void explain(ViewStyle& style, gl::DebugView debug) {
+  style.colors = true;
+  style.debug = debug;
+  style.surface = fmt::format("const int kelp_debug = {};\n{}", static_cast<int>(debug), shaders::kDebug);
 }
-)";
-
-// A color for each level, 0 gray, then around the circle; lit from the camera, so that the shape is seen.
-constexpr char kLevel[] = R"(
-vec4 kelpSurface(KelpSurface s) {
-  vec3 around = 0.55 + 0.4 * cos(6.2831853 * (0.618034 * float(s.level) + vec3(0.0, 0.33, 0.67)));
-  vec3 color = s.level == 0 ? vec3(0.8) : around;
-  return vec4(color * (0.45 + 0.55 * max(dot(s.normal, s.view), 0.0)), 1.0);
-}
-)";
 
 }  // namespace
 
@@ -44,6 +34,10 @@ ViewStyle styleOf(ViewKind kind, const Camera& camera) {
   ViewStyle style;
   switch (kind) {
     case ViewKind::kShaded:
+    case ViewKind::kBounds:
+    case ViewKind::kSplines:
+      if (kind == ViewKind::kBounds) style.debug = gl::DebugView::kBounds;
+      if (kind == ViewKind::kSplines) style.debug = gl::DebugView::kSplines;
       style.colors = true;
       style.background = {false, {0.93f, 0.93f, 0.92f}, {0.72f, 0.77f, 0.82f}};
       break;
@@ -53,11 +47,14 @@ ViewStyle styleOf(ViewKind kind, const Camera& camera) {
     case ViewKind::kDepth:
       style.surface = fmt::format(kDepth, camera.nearPlane(), camera.farPlane());
       break;
+    case ViewKind::kParts:
+      explain(style, gl::DebugView::kParts);
+      break;
     case ViewKind::kSteps:
-      style.surface = kSteps;
+      explain(style, gl::DebugView::kSteps);
       break;
     case ViewKind::kLevel:
-      style.surface = kLevel;
+      explain(style, gl::DebugView::kLevels);
       break;
     case ViewKind::kDistance:
       break;  // not of surfaces: kDistanceSlice

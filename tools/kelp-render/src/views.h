@@ -10,9 +10,10 @@
 namespace kelp::render {
 
 struct ViewStyle {
-  std::string surface;    // GLSL for kelp::gl::RendererOptions::surface_glsl; empty: kelp's own look
-  bool colors = false;    // linear color, to be encoded as sRGB; else plain numbers
-  Background background;  // unless --background says otherwise
+  std::string surface;  // GLSL for kelp::gl::RendererOptions::surface_glsl; empty: kelp's own look
+  gl::DebugView debug = gl::DebugView::kNone;  // kelp's method then draws without `surface`
+  bool colors = false;                         // linear color, to be encoded as sRGB; else plain numbers
+  Background background;                       // unless --background says otherwise
 };
 
 ViewStyle styleOf(ViewKind kind, const Camera& camera);

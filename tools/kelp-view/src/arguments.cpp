@@ -53,8 +53,8 @@ Usage: kelp-view [OPTIONS] [PACK]
        kelp-view [OPTIONS] --watch MODEL [OPTIONS OF kelp-bake]
 
   PACK                      the .kelp file to show; drop others onto the window
-  --view shaded|normals|levels|steps|distances
-                            what the colors mean
+  --view shaded|normals|distances|parts|steps|levels|bounds|splines
+                            what the colors mean, or lines over the picture (key V: the next one)
   --edit                    open the rig editor at once (key E)
   --watch PACK              show the pack again whenever it changes
   --watch MODEL             bake a model and show it, again whenever it, its rig or a texture changes.
@@ -66,8 +66,8 @@ Usage: kelp-view [OPTIONS] [PACK]
   --version                 print the version and exit
 
 Mouse: left drag turns, or moves a handle; right drag moves the camera; wheel zooms.
-Keys: space play, F fit, H handles, E rig editor, R reset handles; in the editor Ctrl Z undo, Ctrl Y redo,
-Ctrl S save.
+Keys: space play, F fit, V next view, H handles, E rig editor, R reset handles; in the editor Ctrl Z undo,
+Ctrl Y redo, Ctrl S save.
 It needs a display (DISPLAY) and OpenGL 3.3.
 
 Examples:
@@ -96,9 +96,8 @@ std::optional<Arguments> parseArguments(int count, const char* const* words, std
       arguments.edit = true;
     } else if (word == "--view") {
       const std::string_view value = i + 1 < count ? words[++i] : "";
-      if (value == "parts" || value == "fit")
-        return wrong = "--view " + std::string(value) + " is gone; see clips[].fit of kelp-bake --report",
-               std::nullopt;
+      if (value == "fit")
+        return wrong = "--view fit is gone; see clips[].fit of kelp-bake --report", std::nullopt;
       const auto surface = parseSurface(value);
       if (!surface) return wrong = std::string("--view: give one of ") + kSurfaceNames, std::nullopt;
       arguments.surface = *surface;

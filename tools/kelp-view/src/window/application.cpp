@@ -149,6 +149,9 @@ void Application::useKeys() {
       choices_.handles = !choices_.handles;
     } else if (key == GLFW_KEY_E) {
       choices_.edit = !choices_.edit;
+    } else if (key == GLFW_KEY_V) {
+      const int next = (static_cast<int>(stage_.surface()) + 1) % static_cast<int>(Surface::kCount);
+      status_.wrong = stage_.paint(static_cast<Surface>(next));
     } else if (key == GLFW_KEY_F) {
       fitCamera();
     } else if (key == GLFW_KEY_R && stage_.model()) {

@@ -26,6 +26,12 @@ std::string makeRenderer(const Model& model, Surface surface, std::unique_ptr<gl
   return {};
 }
 
+gl::DebugView debugOf(Surface surface) {
+  if (surface < Surface::kParts) return gl::DebugView::kNone;
+  return static_cast<gl::DebugView>(static_cast<int>(surface) - static_cast<int>(Surface::kParts) +
+                                    static_cast<int>(gl::DebugView::kParts));
+}
+
 }  // namespace
 
 std::string Stage::show(std::unique_ptr<Model> model) {
@@ -41,7 +47,7 @@ std::string Stage::show(std::unique_ptr<Model> model) {
 }
 
 std::string Stage::paint(Surface surface) {
-  if (model_) {
+  if (model_ && !shareRenderer(surface_, surface)) {
     std::unique_ptr<gl::Renderer> renderer;
     if (std::string wrong = makeRenderer(*model_, surface, renderer); !wrong.empty()) return wrong;
     renderer_ = std::move(renderer);
@@ -65,6 +71,7 @@ std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, f
   view.camera.eye_to_clip = camera.eyeToClip();
   view.camera.viewport = viewport;
   view.quality.pixels_per_voxel = pixels_per_voxel;
+  view.debug = debugOf(surface_);
   const runtime::Instance instance = model_->instance();
   if (surface_ == Surface::kDistances) {
     if (!model_->asset().loadsDistances())

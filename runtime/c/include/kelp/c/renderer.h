@@ -99,6 +99,15 @@ enum {
   KELP_OUTPUT_LINEAR = 0,  // for a framebuffer that encodes, or is tone-mapped later
   KELP_OUTPUT_DISPLAY = 1  // tone-mapped and encoded as sRGB, for a window that encodes nothing
 };
+typedef int32_t kelp_debug_view;
+enum {
+  KELP_DEBUG_VIEW_NONE = 0,
+  KELP_DEBUG_VIEW_PARTS = 1,   // a color for each part of each instance
+  KELP_DEBUG_VIEW_STEPS = 2,   // of rays until they hit: blue 0, green 16, yellow 32, red 64 and more
+  KELP_DEBUG_VIEW_LEVELS = 3,  // a color for each level, gray for 0; black stripes: a finer one is missing
+  KELP_DEBUG_VIEW_BOUNDS = 4,  // the boxes that are rasterized, as lines; red: the eye is in or close to it
+  KELP_DEBUG_VIEW_SPLINES = 5  // splines and knots, as lines
+};
 
 // A picture. Start from kelp_view_defaults, then set the viewport and the two matrices.
 typedef struct kelp_view {
@@ -131,6 +140,7 @@ typedef struct kelp_view {
   // on units from KELP_FIRST_HOST_UNIT on. May be null.
   void (*bind)(void* user, uint32_t program);
   void* bind_user;
+  kelp_debug_view debug;  // parts, steps and levels replace surface_glsl, and `bind` is not called
 } kelp_view;
 enum { KELP_FIRST_HOST_UNIT = 4 };
 KELP_API kelp_result kelp_view_defaults(kelp_view* view);

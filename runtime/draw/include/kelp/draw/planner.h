@@ -49,8 +49,10 @@ enum class Program : std::uint8_t {
   kFogHeat = 4,      // fog that glows by its heat
   kFogShadow = 8,    // fog that shades itself (Quality::self_shadow)
   kEitherBend = 16,  // solid parts of both kinds; with Features::kDistances in place of two programs
+  kDebug = 32,       // parts, in the colors of View::debug
+  kLines = 64,       // the lines of View::debug: no parts
 };
-inline constexpr int kPrograms = 32;  // every Program is below
+inline constexpr int kPrograms = 65;  // every Program is below
 constexpr Program operator|(Program a, Program b) {
   return static_cast<Program>(static_cast<std::uint8_t>(a) | static_cast<std::uint8_t>(b));
 }
@@ -58,7 +60,8 @@ constexpr bool has(Program set, Program bit) {
   return (static_cast<std::uint8_t>(set) & static_cast<std::uint8_t>(bit)) != 0;
 }
 
-// A draw call: strips of six vertices, `count` instances from `first` on. No vertex buffer.
+// A draw call: strips of six vertices, `count` instances from `first` on; of kLines one instance of lines,
+// `count` vertices, with DrawData::lines as the records. No vertex buffer.
 struct Call {
   Program program = Program::kSheared;
   std::uint32_t first = 0, count = 0;
@@ -84,8 +87,11 @@ struct Uniforms {
   float sun_radius = 0;
   std::uint32_t occlusion = 0;
   std::uint32_t display = 0;
+  std::int32_t part_count = 0;  // of trace()
+  std::int32_t debug = 0;
+  std::int32_t padding[2] = {};
 };
-static_assert(sizeof(Uniforms) == 96);
+static_assert(sizeof(Uniforms) == 112);
 
 // The depth of the scene so far, where rays end, as a texture: texel (x, y) belongs to the framebuffer's
 // pixel (x, y).
@@ -100,9 +106,9 @@ struct DrawData {
   // For a storage buffer, or an unsigned RGBA texture 1,024 wide: whole rows of kRecordWidth.
   std::span<const glm::uvec4> records;
   Uniforms uniforms;
-  std::span<const Call> calls;  // in this order
-  std::uint32_t parts = 0;      // of trace(): kelp_part_count
-  std::uint64_t frame = 0;      // 1, 2, ...: for Copy::frame
+  std::span<const Call> calls;        // in this order
+  std::span<const glm::uvec4> lines;  // as records, for kLines
+  std::uint64_t frame = 0;            // 1, 2, ...: for Copy::frame
   Stats stats;
 };
 inline constexpr std::size_t kRecordWidth = 1024;
@@ -130,7 +136,7 @@ class Planner {
   // kMisuse: it was added before. kLimit: the coarsest levels of the assets added before leave no room.
   Result<void> add(const runtime::Asset& asset);
   void remove(const runtime::Asset& asset);
-  // The programs that parts of the asset may need: bit i for Program i. kSheared is among them.
+  // The programs that parts of the asset may need, but for View::debug: bit i for Program i.
   std::uint32_t programs(const runtime::Asset& asset) const;
 
   // Call it once a frame. Fills copies() with at most `max_bytes` (0, or 4096 and more) of what the draws

@@ -124,12 +124,32 @@ enum class Output : std::uint8_t {
   kDisplay,
 };
 
+// A picture that explains itself, at run time. The first three draw other colors, by programs of their own;
+// lines are one pixel wide, and nothing hides them. Only the first color target is written.
+enum class DebugView : std::uint8_t {
+  kNone,
+  kParts,  // a color for each part of each instance
+  // How many steps a ray took until it hit: blue 0, green 16, yellow 32, red 64 and more. In fog, until its
+  // end, without shadow rays.
+  kSteps,
+  // A color for each level that is hit, gray for level 0. Black stripes: a finer level is wanted and not on
+  // the GPU. In fog, where it begins.
+  kLevels,
+  kBounds,   // the boxes whose outlines are rasterized; red: the eye is in or close to it, so all pixels are
+  kSplines,  // the splines of parts and their knots, as Instance::pose has them
+};
+// True for those that replace the colors of parts, and the host's kelpSurface.
+constexpr bool replacesColors(DebugView debug) {
+  return debug >= DebugView::kParts && debug <= DebugView::kLevels;
+}
+
 // What to draw, from where, how.
 struct View {
   Camera camera = {};
   Light light = {};
   Quality quality = {};
   Output output = Output::kLinear;
+  DebugView debug = DebugView::kNone;
 };
 
 enum class Pass : std::uint8_t {

@@ -19,8 +19,8 @@ enum class State : std::uint8_t {
 };
 
 // What the pictures of all graphics APIs have in common: kelp/draw/view.h.
-using draw::Camera, draw::ClipRange, draw::Features, draw::Light, draw::Log, draw::Output, draw::Pass,
-    draw::Quality, draw::Shading, draw::Stats, draw::has, draw::operator|;
+using draw::Camera, draw::ClipRange, draw::DebugView, draw::Features, draw::Light, draw::Log, draw::Output,
+    draw::Pass, draw::Quality, draw::Shading, draw::Stats, draw::has, draw::operator|;
 
 struct RendererOptions {
   // Returns the address of a GL function, as glfwGetProcAddress or eglGetProcAddress do. Called during
@@ -59,6 +59,9 @@ struct View {
   Light light = {};
   Quality quality = {};
   Output output = Output::kLinear;
+  // Lines are as wide as GL_LINE_WIDTH. OpenGL ES 3.0 and 3.1 cannot mask single draw buffers: bind a
+  // framebuffer with one. Programs are compiled when they are first used. Not in bindTrace().
+  DebugView debug = DebugView::kNone;
   // A texture with the depth of the scene so far: GL_TEXTURE_2D, a depth format or GL_R32F, not attached to
   // the framebuffer drawn to; texel (x, y) belongs to the framebuffer's pixel (x, y). Rays end there, which
   // saves time, and replaces the depth test where no depth buffer is bound. 0: none.
@@ -67,7 +70,7 @@ struct View {
   // two programs, if there are sheared parts and swept ones to draw. Sets what surface_glsl needs:
   // glUniform*, textures and samplers on units from kFirstHostUnit on, uniform buffers. These bindings stay.
   // It may change the active unit, and no other state. Don't leave samplers of different types on one unit.
-  // Null: no callback.
+  // Not called where `debug` replaces surface_glsl. Null: no callback.
   void (*bind)(void* user, std::uint32_t program) = nullptr;
   void* bind_user = nullptr;
 };
