@@ -156,7 +156,7 @@ enum class Output : std::uint8_t {
 
 // A picture that explains itself, at run time. The first three draw other colors, by programs that are
 // compiled when they are first used; lines are one pixel wide, or GL_LINE_WIDTH, and nothing hides them.
-// Draw buffer 0 alone is written. Not in Renderer::bindTrace().
+// Draw buffer 0 alone is written (OpenGL ES 3.0 and 3.1: bind a framebuffer with one). Not in bindTrace().
 enum class DebugView : std::uint8_t {
   kNone,
   kParts,  // a color for each part of each instance
