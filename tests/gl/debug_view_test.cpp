@@ -5,9 +5,11 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "fog_canvas.h"
-#include "support/traced_level.h"
+#include "kelp/formats/page.h"
+#include "kelp/streaming/page_access.h"
 #include "support/voxel_points.h"
 #include "swept_pack.h"
+#include "trace_cpp.h"
 
 namespace kelp::test {
 namespace {
@@ -150,7 +152,20 @@ TEST_P(DebugViewTest, StepsAreThoseOfTheTracingCore) {
   ASSERT_TRUE(renderer->draw(steps, instance));
   const FloatColors picture = canvas_->pixels();
 
-  const trace::Level level = tracedLevel(part.levels[0], part.size);
+  const runtime::Level& loaded_level = *loaded.asset->level(0, 0);
+  std::vector<runtime::PinnedPage> pages;
+  for (std::uint32_t page = 0; page < loaded_level.pages.size(); ++page)
+    pages.push_back(runtime::PageAccess::pin(*loaded.asset, {}, page, 1));
+  const trace::Level level{loaded_level.cells.data(), loaded_level.grid,
+                           [](const void* user, std::uint32_t cell) {
+                             const auto& all = *static_cast<const std::vector<runtime::PinnedPage>*>(user);
+                             const std::uint32_t* const words =
+                                 cellPage(cell) < all.size()
+                                     ? all[cellPage(cell)].words().data() + kBrickWords * cellBrick(cell)
+                                     : kSolidBrick.data();
+                             return reinterpret_cast<const std::uint8_t*>(words + kSliceWords);
+                           },
+                           &pages};
   const Segment s = makeSegment(part.knots[0], part.knots[1], static_cast<float>(part.size.y));
   const trace::KelpSegment segment{s.p0, s.m0, s.p1, s.m1};
   const Box box = deformedBounds(part.knots, part.size);
@@ -186,7 +201,8 @@ TEST_P(DebugViewTest, StepsAreThoseOfTheTracingCore) {
                                         [](const auto& a, const auto& b) { return a.second < b.second; });
     most += often->second;
     if (often->second < 20 || count > 64) continue;
-    const float warmth = often->first[0] - often->first[2];
+    const auto& [red, green, blue] = often->first;
+    const float warmth = (red - blue) / (red + green + blue);
     EXPECT_GT(warmth, before) << count;
     before = warmth;
   }

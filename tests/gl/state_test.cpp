@@ -90,14 +90,12 @@ class StateTest : public GlTest {
       EXPECT_TRUE(renderer.draw(view, {}));
       after(kDraw, "draw, nothing");
       for (const gl::DebugView debug : {gl::DebugView::kParts, gl::DebugView::kSplines}) {
-        // So far away that the next draw covers its lines.
-        gl::View explained = lookAt(view.camera.viewport, {20, 25, 60}, {0, 0.5f, 0});
+        if (!explains_) break;
+        gl::View explained = view;
         explained.debug = debug;
         EXPECT_TRUE(renderer.draw(explained, {&instance_, 1}));
         after(kDrawDebug, "draw, debug");
       }
-      EXPECT_TRUE(renderer.draw(view, {&instance_, 1}));
-      after(kDraw, "draw, after debug");
       gl::View wrong;
       wrong.camera.viewport.x = -1;
       EXPECT_FALSE(renderer.draw(wrong, {&instance_, 1}));
@@ -118,6 +116,8 @@ class StateTest : public GlTest {
   }
 
   static gl::View viewOf(const Canvas& canvas) { return lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0}); }
+
+  bool explains_ = true;  // whether callEverything() draws debug views too
 
   void expectRestored(const gl::View& view) const {
     const GlState before = readGlState();
@@ -171,6 +171,7 @@ TEST_P(StateTest, IsLeftAsFoundWhenNothingIsSet) {
 }
 
 TEST_P(StateTest, IsLeftAsFoundAndDoesNotChangeThePicture) {
+  explains_ = false;
   const Canvas canvas({80, 60});
   const gl::View view = viewOf(canvas);
   const std::vector<Pixel> expected = expectedPicture(canvas, view);
@@ -181,6 +182,7 @@ TEST_P(StateTest, IsLeftAsFoundAndDoesNotChangeThePicture) {
 }
 
 TEST_P(StateTest, KLeaveDrawsTheSamePicture) {
+  explains_ = false;
   const Canvas canvas({80, 60});
   const gl::View view = viewOf(canvas);
   const std::vector<Pixel> expected = expectedPicture(canvas, view);
