@@ -36,8 +36,9 @@ void drawParts(const Model& model) {
   for (std::size_t i = 0; i < std::min(parts.size(), kMostLines); ++i) {
     const Part& part = parts[i];
     if (part.kind == PartKind::kEmpty) continue;
-    ImGui::Text("%.*s: %d x %d x %d, level %d of 0..%d", static_cast<int>(part.name.size()), part.name.data(),
-                part.size.x, part.size.y, part.size.z, model.asset().residentLevel(static_cast<int>(i)),
+    const std::optional<int> level = model.asset().residentLevel(static_cast<int>(i));
+    ImGui::Text("%.*s: %d x %d x %d, level %s of 0..%d", static_cast<int>(part.name.size()), part.name.data(),
+                part.size.x, part.size.y, part.size.z, level ? std::to_string(*level).c_str() : "none",
                 part.levels - 1);
   }
   if (parts.size() > kMostLines)
