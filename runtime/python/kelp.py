@@ -30,7 +30,8 @@ whatever NumPy makes such an array of: numbers only, else TypeError; of that sha
 
 Ownership. Assets, poses, springs, canvases, renderers and planners have close() and work in `with`; an object
 that is no longer used closes itself. Each keeps alive what it needs: an instance its asset and poses, a
-renderer or planner its assets, a renderer its canvas. An object that was closed raises ClosedError wherever it is used.
+renderer or planner its assets, a renderer its canvas. An object that was closed raises ClosedError wherever
+it is used.
 
 Threads. Any thread may use an asset, several at the same time. A pose or a spring that one thread changes
 while another one uses it raises Error with Result.BUSY; several may read it. A canvas and its renderers
@@ -184,7 +185,7 @@ PROGRAMS = 32  # every Program is below
 
 
 class Program(enum.IntFlag):
-    """A program of the shaders, for a graphics API of your own: a bit for each #define. SHEARED alone is 0."""
+    """A program of the shaders, for a graphics API of your own: a set of bits. SHEARED alone is 0."""
     SHEARED = 0
     SWEPT = 1
     FOG = 2

@@ -295,7 +295,7 @@ class DrawData(Column):
         self.planner.upload(1 << 20)
         self.view.depth_batches = 2
         calls = self.planner.draw(self.view, [self.bent, self.rest], kelp.Pass.COLOR, kelp.Depth.COPIED).calls
-        self.assertEqual([(0, 1, False), (1, 1, True)],
+        self.assertEqual([(0, 1, True), (1, 1, True)],
                          [(call.first, call.count, call.copies_depth) for call in calls])
         data = self.planner.draw(self.view, self.rest, kelp.Pass.DEPTH)
         self.assertEqual(1, data.uniforms["depth_only"])

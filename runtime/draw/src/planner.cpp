@@ -88,7 +88,7 @@ Result<DrawData> Planner::Impl::build(const View& view, runtime::Instances insta
   return data;
 }
 
-// Near to far, in batches of equal size; sheared parts first.
+// Near to far, in batches of equal size; sheared parts first. If any call copies the depth, the first does.
 Result<std::size_t> Planner::Impl::listSolids(Depth depth, int batches) {
   const std::uint32_t all = list.parts();
   const std::uint32_t most = depth == Depth::kCopied ? std::min(static_cast<std::uint32_t>(batches), all) : 1;
@@ -100,7 +100,8 @@ Result<std::size_t> Planner::Impl::listSolids(Depth depth, int batches) {
     for (std::uint32_t batch = 0; batch < some; ++batch) {
       const auto first = static_cast<std::uint32_t>(begin + parts * batch / some),
                  last = static_cast<std::uint32_t>(begin + parts * (batch + 1) / some);
-      calls[count++] = {program, first, last - first, most > 1 && some > 1};
+      calls[count] = {program, first, last - first, most > 1 && (some > 1 || count == 0)};
+      ++count;
     }
   };
   if (has(features, Features::kDistances)) {
@@ -185,6 +186,8 @@ Result<DrawData> Planner::draw(const View& view, runtime::Instances instances, P
                                         : self.listSolids(depth, view.quality.depth_batches);
   if (!count) return count.error();
   data->calls = self.calls.span().first(*count);
+  // Without a copy, the host's texture has the depth of another frame.
+  if (depth == Depth::kCopied && !data->calls[0].copies_depth) data->uniforms.scene = 0;
   data->stats.draws = static_cast<std::uint32_t>(*count);
   return data;
 }
