@@ -9,9 +9,9 @@
 namespace kelp::test {
 namespace {
 
-// A pack of some 700 KiB in the pool, in random voxels.
+// A pack that takes some 340 KiB of the pool.
 std::string manyVoxels(const Scratch& scratch) {
-  const RawPack pack = RandomPack(5, {.parts = 3, .max_side = 150}).make();
+  const RawPack pack = RandomPack(5, {.parts = 3, .max_side = 150, .clips = 0}).make();
   return scratch.write("many.kelp", std::span<const std::byte>(writeToMemory(pack))).string();
 }
 
@@ -105,10 +105,10 @@ void expectData(const draw::DrawData& expected, const kelp_draw_data& data) {
 draw::View viewAt(int frame) {
   draw::View view;
   const float turn = 0.3f * static_cast<float>(frame);
-  const glm::vec3 eye = 60.0f * glm::vec3(std::sin(turn), 0.4f, std::cos(turn));
+  const glm::vec3 eye = 300.0f * glm::vec3(std::sin(turn), 0.4f, std::cos(turn)), middle(30, 40, 10);
   view.camera.viewport = {640, 480};
-  view.camera.world_to_eye = glm::lookAt(eye + glm::vec3(14, 6, 0), {14, 6, 0}, {0, 1, 0});
-  view.camera.eye_to_clip = glm::perspective(0.6f, 4.0f / 3.0f, 1.0f, 500.0f);
+  view.camera.world_to_eye = glm::lookAt(middle + eye, middle, {0, 1, 0});
+  view.camera.eye_to_clip = glm::perspective(0.6f, 4.0f / 3.0f, 1.0f, 1000.0f);
   view.quality.pixels_per_voxel = 0;
   return view;
 }
@@ -129,13 +129,10 @@ std::size_t expectPass(const BothPlanners& planners, const BothInstances& instan
           .value();
   expectData(expected, data);
   expectStats(expected.stats, stats);
-  if (depth == KELP_DEPTH_COPIED && data.call_count > 0) {
-    EXPECT_EQ(data.calls[0].copies_depth, data.uniforms->scene != 0 ? 1u : 0u) << "the depth is an old one";
-  }
   return data.call_count;
 }
 
-// The pool is too small for all levels, so some are dropped while others come.
+// The pool is too small for both assets, which are seen in turn.
 TEST(CPlanner, StreamsAsCppDoes) {
   const Scratch scratch;
   const std::string path = manyVoxels(scratch);
@@ -186,6 +183,27 @@ TEST(CPlanner, FogIsAPassOfItsOwn) {
     EXPECT_GT(expectPass(planners, instances, viewAt(0), KELP_PASS_FOG, depth), 0u);
     EXPECT_GT(expectPass(planners, instances, viewAt(0), KELP_PASS_COLOR, depth), 0u);
   }
+}
+
+// Rays end at the scene's depth only where it is this frame's: if the first call copies it.
+TEST(CPlanner, TheFirstCallCopiesTheDepth) {
+  const BothAssets assets(packFile("distance"));
+  const BothInstances instances(assets);
+  const BothPlanners planners(256 << 10);
+  planners.add(assets);
+  planners.copy();
+  while (planners.upload(1 << 20).copies > 0) {
+  }
+  kelp_view view = viewOf(viewAt(0));
+  for (std::uint32_t count = 1; count <= BothInstances::kCount; ++count)
+    for (view.depth_batches = 1; view.depth_batches <= 4; ++view.depth_batches) {
+      auto data = sized<kelp_draw_data>();
+      ASSERT_KELP(kelp_planner_draw(planners.c, &view, instances.c.data(), count, KELP_PASS_COLOR,
+                                    KELP_DEPTH_COPIED, &data, nullptr));
+      ASSERT_GE(data.call_count, 2u) << "sheared parts and swept ones";
+      EXPECT_EQ(view.depth_batches > 1, data.calls[0].copies_depth != 0);
+      EXPECT_EQ(view.depth_batches > 1 ? 1 : 0, data.uniforms->scene);
+    }
 }
 
 TEST(CPlanner, MemoryIsTheHosts) {

@@ -75,7 +75,7 @@ typedef struct kelp_copy {
 // *copies: *count of them. They and their words are valid until the planner's next copied, add, remove or
 // upload, or the end of the asset; the array also ends with the next get_copies.
 KELP_API kelp_result kelp_planner_get_copies(kelp_planner planner, const kelp_copy** copies, uint32_t* count);
-// The copies were made: lets go of their words.
+// The copies were made: lets go of their words, and wants no more copies.
 KELP_API kelp_result kelp_planner_copied(kelp_planner planner);
 
 // A draw call: strips of six vertices, `count` instances from `first` on. No vertex buffer.
