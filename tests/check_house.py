@@ -3,6 +3,7 @@
 """Checks that the house is in order: seconds, no build. ctest runs it (house); by hand: tests/check_house.py
 
 - Includes follow the arrows: a room includes its own headers and those of the rooms that ROOMS names for it.
+- runtime/draw names no function, type or constant of OpenGL.
 - No line is wider than 110 columns, in code and in Markdown prose. Tables, links, addresses and the raw data
   of tests may be.
 - No product source has more than 400 lines, and no function more than 80, unless a comment just above says
@@ -34,9 +35,9 @@ ROOMS = {
     "runtime/src/simd": ("kelp/simd/", ["formats"]),
     "runtime": ("kelp/runtime/", ["formats", "shaders", "runtime/src/simd", "runtime/src/streaming"]),
     "runtime/src/streaming": ("kelp/streaming/", ["formats", "runtime"]),
-    "runtime/gl": ("kelp/gl/", ["formats", "shaders", "runtime", "runtime/src/simd",
-                                "runtime/src/streaming"]),
-    "runtime/c": ("kelp/c/", ["formats", "runtime", "runtime/gl"]),
+    "runtime/draw": ("kelp/draw/", ["formats", "runtime", "runtime/src/simd", "runtime/src/streaming"]),
+    "runtime/gl": ("kelp/gl/", ["formats", "shaders", "runtime", "runtime/draw"]),
+    "runtime/c": ("kelp/c/", ["formats", "runtime", "runtime/draw", "runtime/gl"]),
     "tools/common": ("kelp/common/", ["formats"]),
     "tools/fields": ("kelp/fields/", ["formats", "tools/common"]),
     "tools/rig": ("kelp/rig/", ["formats", "tools/common"]),
@@ -143,6 +144,15 @@ def check_widths(path, lines):
             yield f"{path}:{number}: {len(line)} columns, {WIDTH} is the limit"
 
 
+def check_apart(path, lines):
+    if not path.startswith("runtime/draw/") or not path.endswith(CODE):
+        return
+    opengl = re.compile(r"\bgl[A-Z]\w*\(|\bGL(_|enum|u?int)\w*|\bgl::|\bgl_api\b|\bkelp/gl/")
+    for number, line in enumerate(lines, 1):
+        if found := opengl.search(line.split("//")[0]):
+            yield f"{path}:{number}: {found[0]} is of OpenGL, which runtime/draw does not know"
+
+
 def check_ported(path, lines):
     if not path.startswith(PORTED) or not path.endswith(CODE):
         return
@@ -230,7 +240,7 @@ def main():
             continue
         with open(path, encoding="utf-8") as file:
             lines = file.read().rstrip("\n").split("\n")
-        for check in (check_arrows, check_widths, check_ported, check_lengths):
+        for check in (check_arrows, check_apart, check_widths, check_ported, check_lengths):
             faults.extend(check(path, lines))
         faults.extend(check_names(path, lines, files, everything))
     doors = {room: (room, os.path.dirname(room), room.split("/src/")[0]) for room in ROOMS}

@@ -28,13 +28,15 @@ Points and vectors have the shape (3,), matrices (4, 4): `matrix @ (x, y, z, 1)`
 keys, motions and materials are structured arrays: KNOT, SWING, KEY, MOTION, MATERIAL. An argument may be
 whatever NumPy makes such an array of: numbers only, else TypeError; of that shape, else ValueError.
 
-Ownership. Assets, poses, springs, canvases and renderers have close() and work in `with`; an object that is
-no longer used closes itself. Each keeps alive what it needs: an instance its asset and poses, a renderer its
-assets and its canvas. An object that was closed raises ClosedError wherever it is used.
+Ownership. Assets, poses, springs, canvases, renderers and planners have close() and work in `with`; an object
+that is no longer used closes itself. Each keeps alive what it needs: an instance its asset and poses, a
+renderer or planner its assets, a renderer its canvas. An object that was closed raises ClosedError wherever
+it is used.
 
 Threads. Any thread may use an asset, several at the same time. A pose or a spring that one thread changes
 while another one uses it raises Error with Result.BUSY; several may read it. A canvas and its renderers
-belong to the thread that made them; on another one they raise Error with Result.WRONG_THREAD.
+belong to the thread that made them; on another one they raise Error with Result.WRONG_THREAD. A planner
+may be used on one thread at a time, else it raises Result.BUSY.
 
 Errors. Error has a code and says what is wrong. Packs are not trusted: any byte may be hostile."""
 
@@ -188,6 +190,30 @@ class Pass(enum.IntEnum):
     FOG = 2
 
 
+RECORD_WIDTH = 1024  # records in a row of DrawData.records
+PROGRAMS = 65  # every Program is below
+
+
+class Program(enum.IntFlag):
+    """A program of the shaders, for a graphics API of your own: a set of bits. SHEARED alone is 0."""
+    SHEARED = 0
+    SWEPT = 1
+    FOG = 2
+    FOG_HEAT = 4
+    FOG_SHADOW = 8
+    EITHER_BEND = 16
+    DEBUG = 32
+    LINES = 64
+
+
+class Depth(enum.IntEnum):
+    """The depth of the scene so far, where rays end: there is none; you have one; you copy it where
+    Call.copies_depth says so."""
+    NONE = 0
+    GIVEN = 1
+    COPIED = 2
+
+
 class _Read(enum.IntEnum):
     DONE = 0
     NOT_YET = 1
@@ -225,7 +251,7 @@ SWING = _record("kelp_swing", offset=3, velocity=3)
 _BOX = _record("kelp_box", min=3, max=3)
 
 _Handle = _struct("kelp_asset", id=c_uint64)
-for _name in ("kelp_pose", "kelp_spring", "kelp_renderer"):
+for _name in ("kelp_pose", "kelp_spring", "kelp_renderer", "kelp_planner"):
     _STRUCTS[_name] = _Handle
 _Text = _struct("kelp_text", data=c_void_p, size=c_size_t)
 _CError = _sized("kelp_error", result=c_int32, offset=c_uint64, unit=c_uint32, text=c_char * 492)
@@ -289,6 +315,20 @@ _View = _sized(
     self_shadow=c_uint32, occlusion_rays=c_int32, occlusion_reach=c_float, soft_shadows=c_float,
     occlusion=c_uint32, depth_batches=c_int32, scene_depth=c_uint32, bind=_Bind, bind_user=c_void_p,
     debug=c_int32)
+
+_PlannerOptions = _sized("kelp_planner_options", features=c_uint32, pool_bytes=c_uint64, log=_Log,
+                         user=c_void_p, allocator=c_void_p)
+_Copy = _struct("kelp_copy", offset=c_uint64, frame=c_uint64, words=c_void_p, size=c_size_t)
+_Call = _struct("kelp_call", program=c_uint32, first=c_uint32, count=c_uint32, copies_depth=c_uint32)
+UNIFORMS = np.dtype([
+    ("sun_direction", "f4", 3), ("first_instance", "i4"), ("sun_color", "f4", 3), ("motion", "u4"),
+    ("sky_color", "f4", 3), ("depth_only", "u4"), ("ground_color", "f4", 3), ("clip_low", "f4"),
+    ("scene", "i4"), ("shading", "i4"), ("self_shadow", "u4"), ("occlusion_rays", "i4"),
+    ("occlusion_reach", "f4"), ("sun_radius", "f4"), ("occlusion", "u4"), ("display", "u4"),
+    ("part_count", "i4"), ("debug", "i4"), ("padding", "i4", 2)])
+_STRUCTS["kelp_uniforms"] = UNIFORMS
+_DrawData = _sized("kelp_draw_data", call_count=c_uint32, records=c_void_p, records_size=c_size_t,
+                   uniforms=c_void_p, calls=POINTER(_Call), frame=c_uint64, lines=c_void_p, lines_size=c_size_t)
 
 _p = POINTER
 _LIST = (_p(_Instance), c_uint32)  # instances
@@ -370,6 +410,18 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "renderer_draw": (_Handle, _p(_View), *_LIST, c_int32, _p(_Stats)),
     "renderer_get_trace_glsl": (_Handle, _p(_p(c_char_p)), _p(c_uint32)),
     "renderer_bind_trace": (_Handle, c_uint32, _p(_View), *_LIST, c_int32, _p(_Stats)),
+    "planner_options_defaults": (_p(_PlannerOptions),),
+    "planner_create": (_p(_PlannerOptions), _p(_Handle)),
+    "planner_destroy": (_Handle,),
+    "planner_get_pool_bytes": (_Handle, _p(c_uint64)),
+    "planner_add": (_Handle, _Handle),
+    "planner_remove": (_Handle, _Handle),
+    "planner_get_programs": (_Handle, _Handle, _p(c_uint32)),
+    "planner_upload": (_Handle, c_uint64, _p(_Stats)),
+    "planner_get_copies": (_Handle, _p(_p(_Copy)), _p(c_uint32)),
+    "planner_copied": (_Handle,),
+    "planner_draw": (_Handle, _p(_View), *_LIST, c_int32, c_int32, _p(_DrawData), _p(_Stats)),
+    "planner_trace": (_Handle, _p(_View), *_LIST, _p(_DrawData), _p(_Stats)),
     "view_defaults": (_p(_View),),
     "pool_bytes": (_Handle, c_uint32, _p(c_uint64)),
     "level_at": (_p(_View), _p(_Instance), c_int32, c_int32, c_int32, _p(c_int32)),
@@ -1519,6 +1571,125 @@ def _destroy_renderer(handle: Any, canvas: Optional[Canvas], kept: object) -> No
         _call("renderer_destroy", handle)
     except Error:
         pass
+
+
+# Draw data, for a graphics API of your own ----------------------------------------------------------------
+
+
+class Copy(NamedTuple):
+    """Words to be copied into the pool, from its byte `offset` on. frame: DrawData.frame of the last draw
+    that may read what is overwritten."""
+    offset: int
+    words: Array  # (n,) uint32
+    frame: int
+
+
+@dataclass(frozen=True)
+class Call:
+    """Strips of six vertices, `count` instances from `first` on. copies_depth: before it, copy the depth
+    drawn so far."""
+    program: Program
+    first: int
+    count: int
+    copies_depth: bool
+
+
+class DrawData(NamedTuple):
+    """What to draw. lines: as records, for Program.LINES."""
+    records: Array  # (n, 4) uint32: whole rows of RECORD_WIDTH
+    uniforms: Array  # one of UNIFORMS
+    calls: list[Call]
+    lines: Array
+    frame: int  # 1, 2, ...: for Copy.frame
+    stats: Stats
+
+
+class Planner(_Object):
+    """Places, culls, chooses levels; decides what is in the pool, a buffer of yours of pool_bytes. Makes no
+    call of any graphics API. runtime/DRAW_DATA.md has the frame in ten steps. log: is told why instances
+    were left out."""
+
+    _kind = "planner"
+
+    def __init__(self, *, pool_bytes: Optional[int] = None, features: Optional[Feature] = None,
+                 log: Optional[Callable[[str], None]] = None):
+        super().__init__()
+        self._caught = _Caught()
+        self._assets: list[Asset] = []
+        tell = _Log(self._caught.guard(lambda _, text: log(text.decode(errors="replace")) if log else None))
+        options = _defaults(_PlannerOptions, "planner_options", pool_bytes=pool_bytes, features=features)
+        options.log = tell
+        _call("planner_create", byref(options), byref(self._handle))
+        self._made(tell)
+
+    def _do(self, name: str, *arguments: Any) -> None:
+        with _using(*self._assets, change=self), self._caught.raised():
+            _call("planner_" + name, self._handle, *arguments)
+
+    def close(self) -> None:
+        super().close()
+        self._assets.clear()
+
+    @property
+    def pool_bytes(self) -> int:
+        out = c_uint64()
+        self._do("get_pool_bytes", byref(out))
+        return out.value
+
+    def add(self, asset: Asset) -> None:
+        """Registers an asset, and keeps it alive. Error, Result.LIMIT: no room in the pool."""
+        self._do("add", _of(asset, Asset))
+        self._assets.append(asset)
+
+    def remove(self, asset: Asset) -> None:
+        """One that was closed, too: the library has forgotten it by itself."""
+        if not isinstance(asset, Asset) or asset._finalizer.alive:
+            self._do("remove", _of(asset, Asset))
+        self._assets = [one for one in self._assets if one is not asset]
+
+    def programs(self, asset: Asset) -> set[Program]:
+        """Those that parts of the asset may need."""
+        out = c_uint32()
+        self._do("get_programs", _of(asset, Asset), byref(out))
+        return {Program(i) for i in range(PROGRAMS) if out.value >> i & 1}
+
+    def upload(self, max_bytes: int = 4 << 20) -> Stats:
+        """Chooses what is copied next: once a frame, before copies()."""
+        stats = _new(_Stats)
+        self._do("upload", max_bytes, byref(stats))
+        return _stats(stats)
+
+    def copies(self) -> list[Copy]:
+        """What is to be copied into the pool before the calls of the next draw. The library forgets it, so
+        make all of these copies, in this order."""
+        found, count = POINTER(_Copy)(), c_uint32()
+        self._do("get_copies", byref(found), byref(count))
+        out = [Copy(one.offset, _copy(one.words, one.size // 4, np.uint32), one.frame)
+               for one in found[:count.value]]
+        self._do("copied")
+        return out
+
+    def _plan(self, name: str, view: View, instances: Instances, *settings: int) -> DrawData:
+        data, stats = _new(_DrawData), _new(_Stats)
+        filled, kept = view._filled(self._caught)
+        with _used(instances, self, *self._assets) as used, self._caught.raised():
+            _call("planner_" + name, self._handle, byref(filled), *used, *settings, byref(data), byref(stats))
+            calls = [Call(Program(one.program), one.first, one.count, bool(one.copies_depth))
+                     for one in data.calls[:data.call_count]]
+            records, lines = (_copy(at, size // 4, np.uint32).reshape(-1, 4) for at, size in (
+                (data.records, data.records_size), (data.lines, data.lines_size)))
+            uniforms = _copy(data.uniforms, 1, UNIFORMS)[0]
+        del kept
+        return DrawData(records, uniforms, calls, lines, data.frame, _stats(stats))
+
+    def draw(self, view: View, instances: Instances, drawn: Pass = Pass.COLOR,
+             depth: Depth = Depth.NONE) -> DrawData:
+        """Lists what to draw. View.scene_depth and bind are ignored."""
+        return self._plan("draw", view, instances, drawn, depth)
+
+    def trace(self, view: View, instances: Instances) -> DrawData:
+        """The same for kelpTrace in shaders of your own: all solid parts, no calls."""
+        return self._plan("trace", view, instances)
 
 
 # Pictures without a window --------------------------------------------------------------------------------

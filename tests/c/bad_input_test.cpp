@@ -14,7 +14,7 @@ struct Handles {
   kelp_asset asset;
   kelp_pose pose;
   kelp_spring spring;
-  kelp_renderer renderer;
+  kelp_planner planner;
 };
 
 struct Call {
@@ -141,11 +141,39 @@ const Call kSpringCalls[] = {
     {"add_to", [](const Handles& h) { return kelp_spring_add_to(h.spring, h.pose); }},
 };
 
+const kelp_view* aView() {
+  kelp_view* const view = out<kelp_view>();
+  EXPECT_KELP(KELP_OK, kelp_view_defaults(view));
+  return view;
+}
+const kelp_copy* wanted_copies;
+
+const Call kPlannerCalls[] = {
+    {"pool_bytes", [](const Handles& h) { return kelp_planner_get_pool_bytes(h.planner, &large); }},
+    {"add", [](const Handles& h) { return kelp_planner_add(h.planner, h.asset); }},
+    {"programs", [](const Handles& h) { return kelp_planner_get_programs(h.planner, h.asset, &count); }},
+    {"upload", [](const Handles& h) { return kelp_planner_upload(h.planner, 4096, out<kelp_stats>()); }},
+    {"copies", [](const Handles& h) { return kelp_planner_get_copies(h.planner, &wanted_copies, &count); }},
+    {"copied", [](const Handles& h) { return kelp_planner_copied(h.planner); }},
+    {"draw",
+     [](const Handles& h) {
+       return kelp_planner_draw(h.planner, aView(), in(h), 1, 0, 0, out<kelp_draw_data>(), nullptr);
+     }},
+    {"trace",
+     [](const Handles& h) {
+       return kelp_planner_trace(h.planner, aView(), in(h), 1, out<kelp_draw_data>(), nullptr);
+     }},
+    {"remove", [](const Handles& h) { return kelp_planner_remove(h.planner, h.asset); }},
+};
+
 class CBadInput : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_KELP(kelp_pose_create(assets_.c, nullptr, &good_.pose));
     ASSERT_KELP(kelp_spring_create(assets_.c, nullptr, nullptr, &good_.spring));
+    auto planner = sized<kelp_planner_options>();
+    planner.pool_bytes = 256 << 10;
+    ASSERT_KELP(kelp_planner_create(&planner, &good_.planner));
     good_.asset = assets_.c;
     std::uint32_t all = 0;
     ASSERT_KELP(kelp_pose_get_knots(good_.pose, 0, knots, 4, &all));
@@ -153,6 +181,7 @@ class CBadInput : public testing::Test {
   void TearDown() override {
     EXPECT_KELP(KELP_OK, kelp_pose_destroy(good_.pose));
     EXPECT_KELP(KELP_OK, kelp_spring_destroy(good_.spring));
+    EXPECT_KELP(KELP_OK, kelp_planner_destroy(good_.planner));
   }
 
   static void expectBad(std::span<const Call> calls, const Handles& handles) {
@@ -166,7 +195,7 @@ class CBadInput : public testing::Test {
 TEST_F(CBadInput, TheCallsSucceedWithGoodHandles) {
   for (const std::span<const Call> calls :
        {std::span<const Call>(kAssetCalls), std::span<const Call>(kPoseCalls),
-        std::span<const Call>(kSpringCalls)})
+        std::span<const Call>(kSpringCalls), std::span<const Call>(kPlannerCalls)})
     for (const Call& one : calls) EXPECT_KELP(KELP_OK, one.call(good_)) << one.name;
 }
 
@@ -202,6 +231,13 @@ TEST_F(CBadInput, NullOldAndForeignHandlesAreErrors) {
     bad = good_;
     bad.spring.id = id == good_.spring.id ? good_.pose.id : id;
     expectBad(kSpringCalls, bad);
+    bad = good_;
+    bad.planner.id = id;
+    expectBad(kPlannerCalls, bad);
+    EXPECT_KELP(KELP_ERROR_HANDLE, kelp_planner_add(good_.planner, {id}));
+    EXPECT_KELP(KELP_ERROR_HANDLE, kelp_planner_remove(good_.planner, {id}));
+    EXPECT_KELP(KELP_ERROR_HANDLE, kelp_planner_get_programs(good_.planner, {id}, &count));
+    EXPECT_KELP(KELP_ERROR_HANDLE, kelp_planner_destroy({id}));
     kelp_pose pose = {};
     kelp_spring spring = {};
     EXPECT_KELP(KELP_ERROR_HANDLE, kelp_pose_create({id}, nullptr, &pose));
@@ -277,6 +313,11 @@ TEST_F(CBadInput, SizesOfStructs) {
               [](kelp_spring_options* s) { return kelp_spring_options_defaults(s); });
   expectSizes("config", sized<kelp_renderer_options>(),
               [](kelp_renderer_options* s) { return kelp_renderer_options_defaults(s); });
+  expectSizes("planner options", sized<kelp_planner_options>(),
+              [](kelp_planner_options* s) { return kelp_planner_options_defaults(s); });
+  expectSizes("draw data", sized<kelp_draw_data>(), [this](kelp_draw_data* s) {
+    return kelp_planner_draw(good_.planner, aView(), nullptr, 0, 0, 0, s, nullptr);
+  });
   expectSizes("view", sized<kelp_view>(), [](kelp_view* s) { return kelp_view_defaults(s); });
   constexpr std::size_t kFirst = offsetof(kelp_instance, unsound);
   expectSizes(
@@ -338,10 +379,14 @@ TEST_F(CBadInput, AListOfLargerInstances) {
 TEST_F(CBadInput, NullPointersAndBadNumbers) {
   const kelp_asset a = good_.asset;
   const kelp_pose p = good_.pose;
+  const kelp_planner d = good_.planner;
   const kelp_instance i = instanceOf(a, p);
   auto source = sized<kelp_source>();
   kelp_asset asset = {};
   kelp_renderer renderer = {};
+  kelp_planner planner = {};
+  auto pool = sized<kelp_planner_options>();
+  auto* const data = out<kelp_draw_data>();
   auto config = sized<kelp_renderer_options>();
   std::uint64_t bytes = 0;
   for (const kelp_result result : {
@@ -369,6 +414,16 @@ TEST_F(CBadInput, NullPointersAndBadNumbers) {
            kelp_overlaps_sphere(nullptr, 1, nullptr, kNumbers, 1, &number),
            kelp_renderer_create(&config, &renderer),  // no get_proc_address
            kelp_pool_bytes(a, 0, nullptr),
+           kelp_planner_create(nullptr, &planner),
+           kelp_planner_create(&pool, nullptr),
+           kelp_planner_get_pool_bytes(d, nullptr),
+           kelp_planner_get_programs(d, a, nullptr),
+           kelp_planner_get_copies(d, nullptr, &count),
+           kelp_planner_get_copies(d, &wanted_copies, nullptr),
+           kelp_planner_draw(d, nullptr, nullptr, 0, 0, 0, data, nullptr),
+           kelp_planner_draw(d, aView(), nullptr, 1, 0, 0, data, nullptr),
+           kelp_planner_draw(d, aView(), nullptr, 0, 0, 0, nullptr, nullptr),
+           kelp_planner_trace(d, nullptr, nullptr, 0, data, nullptr),
        })
     EXPECT_EQ(kelp_result{KELP_ERROR_NULL}, result);
   config.get_proc_address = [](void*, const char*) -> void* { return nullptr; };
@@ -380,6 +435,12 @@ TEST_F(CBadInput, NullPointersAndBadNumbers) {
   for (const kelp_result result : {
            kelp_renderer_create(&config, &renderer),
            kelp_pool_bytes(a, 8, &bytes),
+           kelp_planner_create(&pool, &planner),  // of no bytes
+           kelp_planner_upload(d, 1, nullptr),
+           kelp_planner_draw(d, aView(), nullptr, 0, 3, 0, data, nullptr),
+           kelp_planner_draw(d, aView(), nullptr, 0, 0, 3, data, nullptr),
+           kelp_planner_draw(d, aView(), nullptr, 0, -1, 0, data, nullptr),
+           kelp_planner_draw(d, aView(), nullptr, 0, 0, -1, data, nullptr),
            kelp_asset_get_part(a, 2, out<kelp_part>()),
            kelp_asset_get_part(a, -1, out<kelp_part>()),
            kelp_asset_get_clip(a, 1, out<kelp_clip>()),
@@ -397,6 +458,10 @@ TEST_F(CBadInput, NullPointersAndBadNumbers) {
     EXPECT_EQ(kelp_result{KELP_ERROR_MISUSE}, result);
   EXPECT_EQ(0u, asset.id);
   EXPECT_EQ(0u, renderer.id);
+  EXPECT_EQ(0u, planner.id);
+  pool.pool_bytes = 256 << 10;
+  pool.features = 8;
+  EXPECT_KELP(KELP_ERROR_MISUSE, kelp_planner_create(&pool, &planner));
 }
 
 // While a thread is in a call with an asset, the asset stays.

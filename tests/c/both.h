@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -74,6 +76,51 @@ class Dice {
  private:
   std::mt19937 random_{7};
 };
+
+// The memory of a host, counted. refuse_at: the number of the allocation that fails.
+struct Memory {
+  std::atomic<long> live{0}, calls{0};
+  long refuse_at = -1;
+
+  kelp_allocator allocator() {
+    auto out = sized<kelp_allocator>();
+    out.user = this;
+    out.allocate = [](void* user, std::size_t bytes) -> void* {
+      Memory& self = *static_cast<Memory*>(user);
+      if (self.calls++ == self.refuse_at) return nullptr;
+      self.live += static_cast<long>(bytes);
+      return std::malloc(bytes);
+    };
+    out.deallocate = [](void* user, void* memory, std::size_t bytes) {
+      static_cast<Memory*>(user)->live -= static_cast<long>(bytes);
+      std::free(memory);
+    };
+    return out;
+  }
+};
+
+// C++'s view in C.
+template <class View>
+kelp_view viewOf(const View& view) {
+  auto out = sized<kelp_view>();
+  EXPECT_KELP(KELP_OK, kelp_view_defaults(&out));
+  std::memcpy(out.world_to_eye, &view.camera.world_to_eye, sizeof out.world_to_eye);
+  std::memcpy(out.eye_to_clip, &view.camera.eye_to_clip, sizeof out.eye_to_clip);
+  out.viewport[0] = view.camera.viewport.x;
+  out.viewport[1] = view.camera.viewport.y;
+  out.pixels_per_voxel = view.quality.pixels_per_voxel;
+  return out;
+}
+
+inline void expectStats(const draw::Stats& expected, const kelp_stats& stats) {
+  EXPECT_EQ(expected.instances, stats.instances);
+  EXPECT_EQ(expected.culled, stats.culled);
+  EXPECT_EQ(expected.left_out, stats.left_out);
+  EXPECT_EQ(expected.draws, stats.draws);
+  EXPECT_EQ(expected.pending, stats.pending);
+  EXPECT_EQ(expected.bytes_uploaded, stats.bytes_uploaded);
+  EXPECT_EQ(expected.gpu_bytes, stats.gpu_bytes);
+}
 
 struct BothAssets {
   explicit BothAssets(const std::string& path, int distance_level = 0) {

@@ -225,6 +225,84 @@ class Queries(Column):
             self.assertEqual(expected, kelp.overlaps_box(self.rest, (x, 0.5, 0), (0.1, 0.1, 0.1)))
 
 
+class DrawData(Column):
+    """No OpenGL is needed."""
+
+    def setUp(self):
+        super().setUp()
+        self.said = []
+        self.planner = kelp.Planner(pool_bytes=1 << 20, features=kelp.Feature.SECONDARY_RAYS,
+                                    log=self.said.append)
+        self.addCleanup(self.planner.close)
+        self.pool = np.zeros(1 << 18, np.uint32)
+        self.view = kelp.View.look_at((SIDE, SIDE), (0, 0.5, 2.5), (0, 0.5, 0), field_of_view=0.6)
+
+    def copy(self):
+        """Makes the copies, each in a place of its own."""
+        copied = np.zeros(len(self.pool), bool)
+        for copy in self.planner.copies():
+            self.assertEqual(0, copy.offset % 4)
+            words = slice(copy.offset // 4, copy.offset // 4 + len(copy.words))
+            self.assertFalse(copied[words].any())
+            copied[words], self.pool[words] = True, copy.words
+        return 4 * copied.sum()
+
+    def test_frame(self):
+        self.assertEqual(1 << 20, self.planner.pool_bytes)
+        self.copy()
+        self.planner.add(self.asset)
+        self.assertGreater(self.copy(), 0)
+        self.assertEqual({kelp.Program.SHEARED}, self.planner.programs(self.asset))
+        self.assertEqual(1, self.planner.draw(self.view, self.bent).stats.waiting)
+        sent = self.planner.upload(1 << 20)
+        self.assertEqual((0, sent.bytes_uploaded), (sent.pending, self.copy()))
+        self.assertEqual([], self.planner.copies())
+        # The palette and the voxels of the pack are in the pool.
+        words = self.pool.tobytes()
+        self.assertIn(self.asset.info.palette["base_color"][0].tobytes(), words)
+        self.assertIn(self.asset.level(0, 0).cells.tobytes(), words)
+
+        self.view.sun_direction, self.view.sky_color = (0, 2, 0), (0.5, 0.25, 0)
+        self.view.occlusion_rays = 3
+        data = self.planner.draw(self.view, [self.bent, self.rest], depth=kelp.Depth.GIVEN)
+        self.assertEqual([kelp.Call(kelp.Program.SHEARED, 0, 2, False)], data.calls)
+        self.assertEqual((0, kelp.RECORD_WIDTH, 4, 2),
+                         (len(data.records) % kelp.RECORD_WIDTH, len(data.records), data.records.shape[1],
+                          data.stats.instances))
+        look = data.uniforms
+        self.near(look["sun_direction"], (0, 1, 0))
+        self.near(look["sky_color"], (0.5, 0.25, 0))
+        self.assertEqual((1, 1, 3, -1), (look["display"], look["scene"], look["occlusion_rays"],
+                                         look["clip_low"]))
+        # The places of both parts' records follow the records.
+        first = int(look["first_instance"])
+        numbers = data.records.reshape(-1)[first:first + 2].tolist()
+        self.assertEqual(2, len(set(numbers)))
+        later = self.planner.trace(self.view, self.rest)
+        self.assertEqual(([], 1, data.frame + 1), (later.calls, later.uniforms["part_count"], later.frame))
+        self.assertEqual([], self.said)
+        self.planner.remove(self.asset)
+        with self.assertRaises(kelp.Error) as caught:
+            self.planner.draw(self.view, self.rest)
+        self.assertEqual(kelp.Result.MISUSE, caught.exception.code)
+        # What was answered before stays.
+        self.planner.close()
+        self.assertEqual(numbers, data.records.reshape(-1)[first:first + 2].tolist())
+
+    def test_passes(self):
+        self.planner.add(self.asset)
+        self.copy()
+        self.planner.upload(1 << 20)
+        self.view.depth_batches = 2
+        calls = self.planner.draw(self.view, [self.bent, self.rest], kelp.Pass.COLOR, kelp.Depth.COPIED).calls
+        self.assertEqual([(0, 1, True), (1, 1, True)],
+                         [(call.first, call.count, call.copies_depth) for call in calls])
+        data = self.planner.draw(self.view, self.rest, kelp.Pass.DEPTH)
+        self.assertEqual(1, data.uniforms["depth_only"])
+        data = self.planner.draw(self.view, self.rest, kelp.Pass.FOG)
+        self.assertEqual(([], 1), (data.calls, data.stats.other_kind))
+
+
 def place(x, y):
     """The pixel of a point in the plane z = 1/8, which is 2.375 m away."""
     scale = 0.5 / math.tan(0.3) / 2.375

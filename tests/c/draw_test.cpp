@@ -12,18 +12,6 @@ namespace {
 
 constexpr glm::ivec2 kSize(96, 96);
 
-// C++'s view in C.
-kelp_view viewOf(const gl::View& view) {
-  auto out = sized<kelp_view>();
-  EXPECT_KELP(KELP_OK, kelp_view_defaults(&out));
-  std::memcpy(out.world_to_eye, &view.camera.world_to_eye, sizeof out.world_to_eye);
-  std::memcpy(out.eye_to_clip, &view.camera.eye_to_clip, sizeof out.eye_to_clip);
-  out.viewport[0] = view.camera.viewport.x;
-  out.viewport[1] = view.camera.viewport.y;
-  out.pixels_per_voxel = view.quality.pixels_per_voxel;
-  return out;
-}
-
 // A body of a meter a voxel, with distances.
 std::string bodyFile(const Scratch& scratch) {
   RawPack pack = distancePackOf(ballClump({24, 32, 20}, 12, 3));
@@ -74,16 +62,6 @@ class CDraw : public GlTest {
 
   std::optional<Canvas> canvas_;
 };
-
-void expectStats(const gl::Stats& expected, const kelp_stats& stats) {
-  EXPECT_EQ(expected.instances, stats.instances);
-  EXPECT_EQ(expected.culled, stats.culled);
-  EXPECT_EQ(expected.left_out, stats.left_out);
-  EXPECT_EQ(expected.draws, stats.draws);
-  EXPECT_EQ(expected.pending, stats.pending);
-  EXPECT_EQ(expected.bytes_uploaded, stats.bytes_uploaded);
-  EXPECT_EQ(expected.gpu_bytes, stats.gpu_bytes);
-}
 
 TEST_P(CDraw, PixelsAreThoseOfCpp) {
   const Scratch scratch;

@@ -15,27 +15,6 @@ std::vector<char> bytesOfFile(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-struct Memory {  // of a host
-  std::atomic<long> live{0}, calls{0};
-  long refuse_at = -1;
-
-  kelp_allocator allocator() {
-    auto out = sized<kelp_allocator>();
-    out.user = this;
-    out.allocate = [](void* user, std::size_t bytes) -> void* {
-      Memory& self = *static_cast<Memory*>(user);
-      if (self.calls++ == self.refuse_at) return nullptr;
-      self.live += static_cast<long>(bytes);
-      return std::malloc(bytes);
-    };
-    out.deallocate = [](void* user, void* memory, std::size_t bytes) {
-      static_cast<Memory*>(user)->live -= static_cast<long>(bytes);
-      std::free(memory);
-    };
-    return out;
-  }
-};
-
 struct Host {  // a source that has little at first
   std::vector<char> bytes = bytesOfFile(packFile("distance"));
   std::uint64_t arrived = 0;

@@ -105,6 +105,18 @@ class Closed(BadInput):
         self.assertEqual((1, 8), (info.parts, level.cells.shape[1]))
         self.pose.reset()
 
+    def test_planner(self):
+        planner = kelp.Planner()
+        planner.add(self.asset)
+        self.asset.close()
+        self.closed(planner.draw, self.view, self.plant)
+        planner.remove(self.asset)
+        planner.close()
+        planner.close()
+        for call in (planner.copies, lambda: planner.upload(0), lambda: planner.draw(self.view, []),
+                     lambda: planner.trace(self.view, []), lambda: planner.pool_bytes):
+            self.closed(call)
+
     def test_renderer_and_canvas(self):
         canvas = self.canvas()
         first, second = kelp.Renderer(canvas), kelp.Renderer(canvas)
@@ -222,6 +234,30 @@ class Threads(BadInput):
         renderer.draw(self.view, self.plant)
         self.assertEqual([kelp.Result.BUSY] * 7, [error.code for error in found])
         self.pose.reset()
+
+    def test_planner_in_use(self):
+        found = []
+
+        def log(_):
+            for call in (lambda: planner.upload(0), planner.copies, planner.close, self.asset.close,
+                         self.pose.reset, lambda: planner.draw(self.view, [])):
+                with self.assertRaises(kelp.Error) as caught:
+                    call()
+                found.append(caught.exception.code)
+
+        planner = kelp.Planner(log=log)
+        planner.add(self.asset)
+        planner.copies()
+        self.pose.move(0, 1, (0, -3, 0))  # it is left out, of which the log is told
+        planner.upload(1 << 20)
+        planner.copies()
+        self.assertEqual(1, planner.draw(self.view, self.plant).stats.left_out)
+        self.assertEqual([kelp.Result.BUSY] * 6, found)
+        self.code(kelp.Result.MISUSE, kelp.Planner, pool_bytes=4096)
+        self.code(kelp.Result.MISUSE, kelp.Planner, features=64)
+        self.code(kelp.Result.MISUSE, planner.upload, 1)
+        self.code(kelp.Result.MISUSE, planner.draw, self.view, self.plant, depth=3)
+        planner.close()
 
     def test_poses_while_changed(self):
         with kelp._using(change=self.pose):

@@ -44,7 +44,8 @@ if(HAS_VIEW)
   expect("${kelp-tools_info}" "Depends: .*libglfw3")
 endif()
 expect("${libkelp-dev_info}" "Depends: libglm-dev, libzstd-dev, libxxhash-dev" "Recommends: kelp-tools")
-expect("${libkelp-dev_files}" "libkelp_runtime_gl.a" "kelp/gl/renderer.h" "kelpConfig.cmake"
+expect("${libkelp-dev_files}" "libkelp_runtime_draw.a" "libkelp_runtime_gl.a" "kelp/gl/renderer.h"
+  "kelp/draw/planner.h" "kelpConfig.cmake"
   "kelp_add_pack.cmake")
 expect("${libkelp-dev_files}" "kelp/kelp.h\n" "kelpCTargets.cmake" "pkgconfig/kelp.pc"
   "libkelp.a" "libkelp.so ->")

@@ -38,7 +38,7 @@ endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # The documents that headers cite, in the folders of the sources, so that names and links lead there.
 foreach(document formats/SPEC.md formats/README.md runtime/README.md runtime/HOST_GUIDE.md
-  runtime/MISTAKES.md runtime/c/README.md
+  runtime/DRAW_DATA.md runtime/MISTAKES.md runtime/c/README.md runtime/draw/README.md
   runtime/gl/README.md shaders/README.md shaders/METHOD.md shaders/BINDINGS.md tools/rig/README.md
   tools/rig/LANGUAGE.md)
   cmake_path(GET document PARENT_PATH folder)

@@ -92,7 +92,7 @@ void* takeHandle(std::uint64_t id, Kind kind, kelp_result& result) {
   }
   std::uint32_t unpinned = 0;
   if (!slot->pins.compare_exchange_strong(unpinned, kClosed)) {
-    result = fail(KELP_ERROR_BUSY, "another thread, or a caller of this callback, is using the object");
+    result = inUse();
     return nullptr;
   }
   slot->id.store(0);
@@ -106,6 +106,10 @@ void* takeHandle(std::uint64_t id, Kind kind, kelp_result& result) {
 kelp_result badHandle(std::uint64_t id) {
   return fail(KELP_ERROR_HANDLE,
               id == 0 ? "a handle is null" : "a handle's object was destroyed, or it is of another type");
+}
+
+kelp_result inUse() {
+  return fail(KELP_ERROR_BUSY, "another thread, or a caller of this callback, is using the object");
 }
 
 }  // namespace kelp::c

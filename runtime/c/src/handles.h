@@ -13,7 +13,7 @@
 
 namespace kelp::c {
 
-enum class Kind : std::uint8_t { kAsset = 1, kPose, kSpring, kRenderer };
+enum class Kind : std::uint8_t { kAsset = 1, kPose, kSpring, kRenderer, kPlanner };
 
 // A new id for the object. 0: no memory, or a million objects.
 std::uint64_t addHandle(void* object, Kind kind);
@@ -27,6 +27,7 @@ void unpin(Slot* slot);
 void* takeHandle(std::uint64_t id, Kind kind, kelp_result& result);
 
 kelp_result badHandle(std::uint64_t id);
+kelp_result inUse();
 
 // An object in use, while this lives. T has a kKind.
 template <class T>

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "handles.h"
+#include "kelp/c/planner.h"
 #include "kelp/gl/renderer.h"
 #include "kelp/runtime/spring.h"
 #include "structs.h"
@@ -37,6 +38,24 @@ struct RendererObject {
   std::atomic<std::uint64_t> thread;
   std::unique_ptr<gl::Renderer> renderer;
 };
+
+struct PlannerObject {
+  static constexpr Kind kKind = Kind::kPlanner;
+  Allocator allocator;
+  std::atomic<bool> used = false;  // a thread is in a function of the planner
+  std::unique_ptr<draw::Planner> planner;
+  // What its functions return pointers to.
+  Buffer<kelp_copy> copies;
+  Buffer<kelp_call> calls;
+  kelp_uniforms uniforms;
+};
+
+// call(asset): what a function does with a valid asset.
+template <class Call>
+kelp_result withAsset(kelp_asset asset, const Call& call) {
+  const Pinned<AssetObject> object(asset.id);
+  return object ? call(*object->asset) : object.bad();
+}
 
 // Copies at most `capacity` values, and says how many there are.
 template <class From, class To>

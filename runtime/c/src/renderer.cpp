@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "kelp/gl/renderer.h"
-
+#include "kelp/c/renderer.h"
 #include "instance_list.h"
 #include "view.h"
 
 namespace kelp::c {
-
-template <>
-inline constexpr std::size_t kFirstSize<kelp_stats> = offsetof(kelp_stats, too_small);
-
 namespace {
 
 // A number for each thread of the process; unlike a thread's id, it never comes back.
@@ -26,44 +21,6 @@ kelp_result withRenderer(kelp_renderer renderer, const Call& call) {
   const Pinned<RendererObject> object(renderer.id);
   if (!object) return object.bad();
   return object->thread.load() == thisThread() ? call(*object->renderer) : wrongThread();
-}
-template <class Call>
-kelp_result withAsset(kelp_asset asset, const Call& call) {
-  const Pinned<AssetObject> object(asset.id);
-  return object ? call(*object->asset) : object.bad();
-}
-
-kelp_result checkFeatures(kelp_features features) {
-  constexpr kelp_features kAll =
-      KELP_FEATURE_SECONDARY_RAYS | KELP_FEATURE_DISTANCES | KELP_FEATURE_GRADIENT_ONLY;
-  return features & ~kAll ? misuse("there is no such feature") : kelp_result{KELP_OK};
-}
-
-// stats may be null.
-kelp_result checkStats(const kelp_stats* stats) { return stats ? checkStruct(stats) : kelp_result{KELP_OK}; }
-kelp_result answerStats(const Result<gl::Stats>& result, kelp_stats* stats) {
-  if (!result) return fail(result.error());
-  if (!stats) return KELP_OK;
-  const gl::Stats& from = *result;
-  kelp_stats out = {};
-  out.instances = from.instances;
-  out.culled = from.culled;
-  out.left_out = from.left_out;
-  out.draws = from.draws;
-  out.pending = from.pending;
-  out.bytes_uploaded = from.bytes_uploaded;
-  out.gpu_bytes = from.gpu_bytes;
-  out.too_small = from.too_small;
-  out.waiting = from.waiting;
-  out.other_kind = from.other_kind;
-  out.clamped = from.clamped;
-  out.first_left_out_text = "";
-  if (from.left_out > 0) {
-    out.first_left_out_result = static_cast<kelp_result>(from.first_left_out.code);
-    out.first_left_out = static_cast<std::uint32_t>(from.first_left_out.offset);
-    out.first_left_out_text = from.first_left_out.detail;
-  }
-  return writeStruct(out, stats);
 }
 
 }  // namespace
@@ -154,7 +111,7 @@ kelp_result kelp_renderer_upload(kelp_renderer renderer, uint64_t max_bytes, kel
 kelp_result kelp_renderer_draw(kelp_renderer renderer, const kelp_view* view, const kelp_instance* instances,
                                uint32_t count, kelp_pass pass, kelp_stats* stats) {
   if (const kelp_result bad = checkStats(stats)) return bad;
-  if (pass < KELP_PASS_COLOR || pass > KELP_PASS_FOG) return misuse("there is no such pass");
+  if (const kelp_result bad = checkPass(pass)) return bad;
   return withRenderer(renderer, [=](Renderer& of) {
     kelp::gl::View read;
     InstanceList list;
@@ -185,25 +142,5 @@ kelp_result kelp_renderer_bind_trace(kelp_renderer renderer, uint32_t program, c
     if (const kelp_result bad = readView(view, read)) return bad;
     if (const kelp_result bad = list.read(instances, count)) return bad;
     return answerStats(of.bindTrace(program, read, list.all(), first_unit), stats);
-  });
-}
-
-kelp_result kelp_pool_bytes(kelp_asset asset, kelp_features features, uint64_t* bytes) {
-  if (!bytes) return nullPointer();
-  if (const kelp_result bad = checkFeatures(features)) return bad;
-  return withAsset(asset, [=](const kelp::runtime::Asset& of) {
-    *bytes = kelp::gl::poolBytes(of, static_cast<kelp::gl::Features>(features));
-    return kelp_result{KELP_OK};
-  });
-}
-
-kelp_result kelp_level_at(const kelp_view* view, const kelp_instance* instance, int32_t part, int32_t x,
-                          int32_t y, int32_t* level) {
-  if (!level) return nullPointer();
-  kelp::gl::View read;
-  if (const kelp_result bad = readView(view, read)) return bad;
-  return withInstance(instance, [&](const kelp::runtime::Instance& of) {
-    *level = kelp::gl::levelAt(read, of, part, {x, y}).value_or(KELP_NONE);
-    return kelp_result{KELP_OK};
   });
 }

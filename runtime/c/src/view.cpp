@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "view.h"
 
-#include "structs.h"
+#include "instance_list.h"
 
 namespace kelp::c {
 
@@ -36,6 +36,44 @@ kelp_result readView(const kelp_view* from, gl::View& to) {
   return KELP_OK;
 }
 
+kelp_result checkFeatures(kelp_features features) {
+  constexpr kelp_features kAll =
+      KELP_FEATURE_SECONDARY_RAYS | KELP_FEATURE_DISTANCES | KELP_FEATURE_GRADIENT_ONLY;
+  return features & ~kAll ? misuse("there is no such feature") : kelp_result{KELP_OK};
+}
+
+kelp_result checkPass(kelp_pass pass) {
+  return pass < KELP_PASS_COLOR || pass > KELP_PASS_FOG ? misuse("there is no such pass")
+                                                        : kelp_result{KELP_OK};
+}
+
+kelp_result checkStats(const kelp_stats* stats) { return stats ? checkStruct(stats) : kelp_result{KELP_OK}; }
+
+kelp_result answerStats(const Result<draw::Stats>& result, kelp_stats* stats) {
+  if (!result) return fail(result.error());
+  if (!stats) return KELP_OK;
+  const draw::Stats& from = *result;
+  kelp_stats out = {};
+  out.instances = from.instances;
+  out.culled = from.culled;
+  out.left_out = from.left_out;
+  out.draws = from.draws;
+  out.pending = from.pending;
+  out.bytes_uploaded = from.bytes_uploaded;
+  out.gpu_bytes = from.gpu_bytes;
+  out.too_small = from.too_small;
+  out.waiting = from.waiting;
+  out.other_kind = from.other_kind;
+  out.clamped = from.clamped;
+  out.first_left_out_text = "";
+  if (from.left_out > 0) {
+    out.first_left_out_result = static_cast<kelp_result>(from.first_left_out.code);
+    out.first_left_out = static_cast<std::uint32_t>(from.first_left_out.offset);
+    out.first_left_out_text = from.first_left_out.detail;
+  }
+  return writeStruct(out, stats);
+}
+
 }  // namespace kelp::c
 
 using namespace kelp::c;
@@ -68,4 +106,24 @@ kelp_result kelp_view_defaults(kelp_view* view) {
   out.scene_depth = defaults.scene_depth;
   out.debug = static_cast<kelp_debug_view>(defaults.debug);
   return writeStruct(out, view);
+}
+
+kelp_result kelp_pool_bytes(kelp_asset asset, kelp_features features, uint64_t* bytes) {
+  if (!bytes) return nullPointer();
+  if (const kelp_result bad = checkFeatures(features)) return bad;
+  return withAsset(asset, [=](const kelp::runtime::Asset& of) {
+    *bytes = kelp::gl::poolBytes(of, static_cast<kelp::gl::Features>(features));
+    return kelp_result{KELP_OK};
+  });
+}
+
+kelp_result kelp_level_at(const kelp_view* view, const kelp_instance* instance, int32_t part, int32_t x,
+                          int32_t y, int32_t* level) {
+  if (!level) return nullPointer();
+  kelp::gl::View read;
+  if (const kelp_result bad = readView(view, read)) return bad;
+  return withInstance(instance, [&](const kelp::runtime::Instance& of) {
+    *level = kelp::gl::levelAt(read, of, part, {x, y}).value_or(KELP_NONE);
+    return kelp_result{KELP_OK};
+  });
 }

@@ -91,7 +91,7 @@ Result<DrawData> Planner::Impl::build(const View& view, runtime::Instances insta
   return data;
 }
 
-// Near to far, in batches of equal size; sheared parts first.
+// Near to far, in batches of equal size; sheared parts first. If any call copies the depth, the first does.
 Result<std::size_t> Planner::Impl::listSolids(Depth depth, int batches, bool debug) {
   const std::uint32_t all = list.parts();
   const std::uint32_t most = depth == Depth::kCopied ? std::min(static_cast<std::uint32_t>(batches), all) : 1;
@@ -103,7 +103,8 @@ Result<std::size_t> Planner::Impl::listSolids(Depth depth, int batches, bool deb
     for (std::uint32_t batch = 0; batch < some; ++batch) {
       const auto first = static_cast<std::uint32_t>(begin + parts * batch / some),
                  last = static_cast<std::uint32_t>(begin + parts * (batch + 1) / some);
-      calls[count++] = {program, first, last - first, most > 1 && some > 1};
+      calls[count] = {program, first, last - first, most > 1 && (some > 1 || count == 0)};
+      ++count;
     }
   };
   if (debug || has(features, Features::kDistances)) {
@@ -191,6 +192,8 @@ Result<DrawData> Planner::draw(const View& view, runtime::Instances instances, P
                                          : self.listSolids(depth, view.quality.depth_batches, debug);
   if (!listed) return listed.error();
   std::size_t count = *listed;
+  // Without a copy, the host's texture has the depth of another frame.
+  if (depth == Depth::kCopied && !self.calls[0].copies_depth) data->uniforms.scene = 0;
   if (view.debug > DebugView::kLevels && pass != Pass::kDepth) {
     if (auto good = self.lines.build(view, self.list, instances); !good) return good.error();
     data->lines = self.lines.records();

@@ -89,7 +89,6 @@ void Residency::remove(const runtime::Asset& asset) {
   if (index < 0) return;
   const auto place = static_cast<std::size_t>(index);
   copied();
-  copies_.clear();
   const std::unique_ptr<ResidentAsset> gone(assets_[place]);
   forget(*gone);
   std::copy(assets_.begin() + place + 1, assets_.begin() + count_, assets_.begin() + place);
@@ -100,7 +99,6 @@ void Residency::remove(const runtime::Asset& asset) {
 // Forgets the copies of the call before.
 void Residency::beginCall(std::uint64_t max_bytes) {
   copied();
-  copies_.clear();
   written_ = 0;
   byte_limit_ = max_bytes;
   later_ = false;
@@ -111,6 +109,7 @@ void Residency::copied() {
     if (pin.asset->watch.alive()) PageAccess::unpin(pin.pin);
   }
   pin_count_ = 0;
+  copies_.clear();
 }
 
 void Residency::beginWants() {

@@ -150,7 +150,7 @@ class Planner {
   // What the last create(), add() or upload() wants copied, before the next draw()'s calls. The copies do not
   // overlap.
   std::span<const Copy> copies() const;
-  // The copies were made: lets go of their words.
+  // The copies were made: lets go of their words, and wants no more copies.
   void copied();
 
   // Lists what to draw. Instances whose asset's coarsest level is not uploaded yet are not drawn yet.

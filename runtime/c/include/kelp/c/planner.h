@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// What a graphics API must be told to draw instances, as data: bytes to copy, records, uniforms, draw calls.
+// For hosts that draw with Vulkan, Direct3D, Metal or WebGPU. runtime/DRAW_DATA.md has the frame in ten steps
+// and the state of each pass. Include kelp/kelp.h.
+//
+// A planner makes no call of any graphics API, and belongs to no thread: use it on one at a time. While a
+// thread, or a caller of this callback, is in one of its functions, the others are KELP_ERROR_BUSY. What its
+// functions point to is the planner's; their comments say how long it is valid.
+#ifndef KELP_C_PLANNER_H
+#define KELP_C_PLANNER_H
+
+#include "kelp/c/view.h"
+
+typedef struct kelp_planner {
+  uint64_t id;
+} kelp_planner;
+
+typedef struct kelp_planner_options {
+  uint32_t struct_size;
+  kelp_features features;  // of the programs that the host has made
+  // Size of the pool, a buffer of the host's that holds all voxels. Whole blocks of 4 KiB; at least 256 KiB,
+  // less than 16 GiB. If the scene needs more, what covers the fewest pixels is drawn coarser.
+  uint64_t pool_bytes;
+  // Told once for each asset why an instance was left out, or that kelp_asset_pump or kelp_planner_upload was
+  // never called. Called in functions of the planner. May be null.
+  void (*log)(void* user, const char* text);
+  void* user;
+  const kelp_allocator* allocator;  // copied. Null: malloc and free
+} kelp_planner_options;
+KELP_API kelp_result kelp_planner_options_defaults(kelp_planner_options* options);
+
+// The pool must then hold what kelp_planner_get_copies says. KELP_ERROR_MISUSE: pool_bytes is out of range.
+KELP_API kelp_result kelp_planner_create(const kelp_planner_options* options, kelp_planner* planner);
+KELP_API kelp_result kelp_planner_destroy(kelp_planner planner);
+// The pool_bytes that it was made with.
+KELP_API kelp_result kelp_planner_get_pool_bytes(kelp_planner planner, uint64_t* bytes);
+
+// Registers an asset, and wants its tables copied; remove it before you destroy it. KELP_ERROR_MISUSE: it was
+// added before. KELP_ERROR_LIMIT: no room in the pool.
+KELP_API kelp_result kelp_planner_add(kelp_planner planner, kelp_asset asset);
+KELP_API kelp_result kelp_planner_remove(kelp_planner planner, kelp_asset asset);
+
+// A program of the shaders: a set of bits, one for each #define. KELP_PROGRAM_SHEARED alone is 0.
+typedef uint32_t kelp_program;
+enum {
+  KELP_PROGRAM_SHEARED = 0,      // draws solid parts that are sheared
+  KELP_PROGRAM_SWEPT = 1,        // parts that are swept
+  KELP_PROGRAM_FOG = 2,          // fog
+  KELP_PROGRAM_FOG_HEAT = 4,     // fog that glows by its heat
+  KELP_PROGRAM_FOG_SHADOW = 8,   // fog that shades itself (kelp_view.self_shadow)
+  KELP_PROGRAM_EITHER_BEND = 16,  // solid parts of both kinds; with KELP_FEATURE_DISTANCES, in place of two
+  KELP_PROGRAM_DEBUG = 32,        // parts, in the colors of kelp_view.debug
+  KELP_PROGRAM_LINES = 64         // the lines of kelp_view.debug: no parts
+};
+enum { KELP_PROGRAMS = 65 };  // every kelp_program is below
+// The programs that parts of the asset may need, but for kelp_view.debug: bit i of *programs for the kelp_program i. The asset need
+// not be added.
+KELP_API kelp_result kelp_planner_get_programs(kelp_planner planner, kelp_asset asset, uint32_t* programs);
+
+// Call it once a frame. Wants at most max_bytes (0, or 4096 and more) copied of what the draws since the last
+// call lacked. Requests from the assets what is not in memory, so that kelp_asset_pump reads it. stats: may
+// be null; stats->pending is 0 when all is there. KELP_ERROR_LIMIT: the coarsest levels do not fit; those
+// that do are drawn.
+KELP_API kelp_result kelp_planner_upload(kelp_planner planner, uint64_t max_bytes, kelp_stats* stats);
+
+// Bytes to be copied into the pool.
+typedef struct kelp_copy {
+  uint64_t offset;  // bytes into the pool, a multiple of 4
+  // kelp_draw_data.frame of the last draw that may read what is overwritten. 0: none. A copy that the GPU
+  // makes between two frames, in a queue and behind a barrier, comes after that frame by itself. Who writes
+  // into memory that the GPU reads waits until that frame is done.
+  uint64_t frame;
+  const uint32_t* words;
+  size_t size;  // of `words`, in bytes
+} kelp_copy;
+// What the last create, add or upload wants copied, before the calls of the next draw. They do not overlap.
+// *copies: *count of them. They and their words are valid until the planner's next copied, add, remove or
+// upload, or the end of the asset; the array also ends with the next get_copies.
+KELP_API kelp_result kelp_planner_get_copies(kelp_planner planner, const kelp_copy** copies, uint32_t* count);
+// The copies were made: lets go of their words, and wants no more copies.
+KELP_API kelp_result kelp_planner_copied(kelp_planner planner);
+
+// A draw call: strips of six vertices, `count` instances from `first` on; of KELP_PROGRAM_LINES one instance
+// of lines, `count` vertices, with kelp_draw_data.lines as the records. No vertex buffer.
+typedef struct kelp_call {
+  kelp_program program;
+  uint32_t first;
+  uint32_t count;
+  // Before this call the scene's depth must be the depth drawn so far: copy it. Only with KELP_DEPTH_COPIED.
+  kelp_bool copies_depth;
+} kelp_call;
+
+// The uniform block of all programs; std140.
+typedef struct kelp_uniforms {
+  float sun_direction[3];  // normalized
+  int32_t first_instance;
+  float sun_color[3];
+  uint32_t motion;
+  float sky_color[3];
+  uint32_t depth_only;
+  float ground_color[3];
+  float clip_low;
+  int32_t scene;  // 0: no scene depth is bound; 1, 2: one is, of an ordinary or a reversed depth
+  kelp_shading shading;
+  uint32_t self_shadow;
+  int32_t occlusion_rays;
+  float occlusion_reach;
+  float sun_radius;
+  uint32_t occlusion;
+  uint32_t display;
+  int32_t part_count;  // of kelp_planner_trace
+  kelp_debug_view debug;
+  int32_t padding[2];
+} kelp_uniforms;
+
+// The depth of the scene so far, where rays end, as a texture: texel (x, y) belongs to the framebuffer's
+// pixel (x, y).
+typedef int32_t kelp_depth;
+enum {
+  KELP_DEPTH_NONE = 0,   // there is none. Fog is then hidden only where it begins behind the scene
+  KELP_DEPTH_GIVEN = 1,  // the host has one
+  KELP_DEPTH_COPIED = 2  // the host copies the depth buffer where kelp_call.copies_depth says so: for fog,
+                         // and for kelp_view.depth_batches
+};
+
+enum { KELP_RECORD_WIDTH = 1024 };  // texels of 16 bytes in a row of records
+
+// A picture, or a pass of it. Its pointers are valid until the planner's next draw or trace.
+typedef struct kelp_draw_data {
+  uint32_t struct_size;
+  uint32_t call_count;
+  // For a storage buffer, or an unsigned RGBA texture KELP_RECORD_WIDTH wide: whole rows.
+  const uint32_t* records;
+  size_t records_size;  // in bytes; 0: nothing to draw
+  const kelp_uniforms* uniforms;
+  const kelp_call* calls;  // call_count of them, in this order
+  uint64_t frame;          // 1, 2, ...: for kelp_copy.frame. 0: the viewport has no pixels
+  const uint32_t* lines;   // lines_size bytes, as records, for KELP_PROGRAM_LINES
+  size_t lines_size;
+} kelp_draw_data;
+
+// Lists what to draw. Of the view, scene_depth, bind and bind_user are ignored. stats: may be null. Instances
+// that cannot be drawn are left out (stats->left_out). KELP_ERROR_MISUSE: an asset that was not added, a pose
+// or a palette of another asset (the error's offset is the index of the instance), a view that is not sound.
+KELP_API kelp_result kelp_planner_draw(kelp_planner planner, const kelp_view* view,
+                                       const kelp_instance* instances, uint32_t count, kelp_pass pass,
+                                       kelp_depth depth, kelp_draw_data* data, kelp_stats* stats);
+// The same for kelpTrace (shaders/scene.glsl) in a host's own shaders: all solid parts, no calls.
+KELP_API kelp_result kelp_planner_trace(kelp_planner planner, const kelp_view* view,
+                                        const kelp_instance* instances, uint32_t count, kelp_draw_data* data,
+                                        kelp_stats* stats);
+
+#endif
