@@ -2,7 +2,6 @@
 // Traces the pixel's ray through a posed part, calls kelpSurface with the hit, writes real depth.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_samplerless_texture_functions : require
 
 #include "solid.glsl"
 #ifdef KELP_DEBUG

@@ -4,7 +4,6 @@
 // is no copy of the scene's depth.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_samplerless_texture_functions : require
 
 #include "uniforms.glsl"
 #include "instance.glsl"

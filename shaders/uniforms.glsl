@@ -4,6 +4,7 @@
 // the sets and bindings, which a host may define otherwise.
 
 #ifdef KELP_VULKAN
+#extension GL_EXT_samplerless_texture_functions : require
 #ifndef KELP_SET
 #define KELP_SET 0
 #endif

@@ -328,7 +328,8 @@ UNIFORMS = np.dtype([
     ("part_count", "i4"), ("debug", "i4"), ("padding", "i4", 2)])
 _STRUCTS["kelp_uniforms"] = UNIFORMS
 _DrawData = _sized("kelp_draw_data", call_count=c_uint32, records=c_void_p, records_size=c_size_t,
-                   uniforms=c_void_p, calls=POINTER(_Call), frame=c_uint64, lines=c_void_p, lines_size=c_size_t)
+                   uniforms=c_void_p, calls=POINTER(_Call), frame=c_uint64, lines=c_void_p,
+                   lines_size=c_size_t)
 
 _p = POINTER
 _LIST = (_p(_Instance), c_uint32)  # instances

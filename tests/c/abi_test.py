@@ -147,7 +147,7 @@ def check_python(folder, library, text, functions, laid_out):
 
     # What a program sees has all fields, but for sizes and counts that arrays and lists have.
     hidden = {"struct_size", "palette_count", "knot_count", "key_count", "fog_ramp_count", "code_count",
-              "grid", "found", "bind_user", "records_size", "call_count"}
+              "grid", "found", "bind_user", "records_size", "lines_size", "call_count"}
     for name, public in {
             "asset_info": module.AssetInfo, "part": module.Part, "clip": module.Clip, "wave": module.Wave,
             "track": module.Track, "socket": module.Socket, "level": module.Level,

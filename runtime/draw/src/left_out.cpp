@@ -77,7 +77,7 @@ void DrawList::tellWaiting(ResidentAsset& asset, bool uploaded) const {
   if (!log_.write || told || (pumped && uploaded)) return;
   char text[256];
   std::snprintf(text, sizeof text, "%.128s: nothing %s\n", runtime::PageAccess::name(*asset.asset),
-                pumped ? "on the GPU yet; call Renderer::upload()" : "in memory yet; call Asset::pump()");
+                pumped ? "on the GPU yet; call upload()" : "in memory yet; call Asset::pump()");
   log_.write(log_.user, text);
   told = true;
 }

@@ -17,7 +17,7 @@ const char* preludeOf(Dialect dialect) {
     case Dialect::kEs300:
       return "#version 300 es\n" KELP_ES_PRECISIONS;
     case Dialect::kVulkan:
-      return "#version 450\n#extension GL_EXT_samplerless_texture_functions : require\n#define KELP_VULKAN\n";
+      return "#version 450\n#define KELP_VULKAN\n";
   }
   return "";
 }

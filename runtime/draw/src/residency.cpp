@@ -62,6 +62,7 @@ Result<void> Residency::add(const runtime::Asset& asset) {
   std::copy(tables.begin(), tables.end(), words.begin());
 
   const std::size_t place = lowerBound(&asset);
+  fresh->number = ++last_number_;
   fresh->added = static_cast<std::uint32_t>(fresh->levels.size());
   pending_ += fresh->added;
   std::copy_backward(assets_.begin() + place, assets_.begin() + count_, assets_.begin() + count_ + 1);
@@ -148,7 +149,7 @@ Result<void> Residency::prioritize() {
   }
   std::sort(queue_.begin(), queue_.begin() + queued_, [](const ResidentLevel* a, const ResidentLevel* b) {
     if (a->worth.priority() != b->worth.priority()) return a->worth.priority() > b->worth.priority();
-    if (a->asset != b->asset) return std::less<>()(a->asset->asset, b->asset->asset);
+    if (a->asset != b->asset) return a->asset->number < b->asset->number;
     return a->table < b->table;
   });
   return {};

@@ -119,9 +119,10 @@ class Residency {
   Buffer<ResidentAsset*> assets_;  // the first count_, ascending by address; owned
   Buffer<Pool::Block> victims_;
   Transfer transfer_;
-  std::uint32_t round_ = 0;  // of upload()
-  bool uploaded_ = false;    // upload() may have sent something
-  bool drawn_ = false;       // before the first draw everything is wanted
+  std::uint64_t last_number_ = 0;  // of an asset
+  std::uint32_t round_ = 0;        // of upload()
+  bool uploaded_ = false;          // upload() may have sent something
+  bool drawn_ = false;             // before the first draw everything is wanted
   bool wants_read_ = true;
 
   std::uint32_t pending_ = 0;

@@ -60,6 +60,7 @@ struct ResidentAsset {
   const runtime::Asset* asset = nullptr;
   runtime::AssetWatch watch;
   std::span<const Part> packed;  // the asset's own
+  std::uint64_t number = 0;      // in the order of add()
   std::uint32_t tables_row = 0;
   // The log has been told of an instance that cannot be drawn; that nothing is in memory, or on the GPU.
   bool told_left_out = false, told_unpumped = false, told_unsent = false;

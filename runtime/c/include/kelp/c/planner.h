@@ -43,18 +43,18 @@ KELP_API kelp_result kelp_planner_remove(kelp_planner planner, kelp_asset asset)
 // A program of the shaders: a set of bits, one for each #define. KELP_PROGRAM_SHEARED alone is 0.
 typedef uint32_t kelp_program;
 enum {
-  KELP_PROGRAM_SHEARED = 0,      // draws solid parts that are sheared
-  KELP_PROGRAM_SWEPT = 1,        // parts that are swept
-  KELP_PROGRAM_FOG = 2,          // fog
-  KELP_PROGRAM_FOG_HEAT = 4,     // fog that glows by its heat
-  KELP_PROGRAM_FOG_SHADOW = 8,   // fog that shades itself (kelp_view.self_shadow)
+  KELP_PROGRAM_SHEARED = 0,       // draws solid parts that are sheared
+  KELP_PROGRAM_SWEPT = 1,         // parts that are swept
+  KELP_PROGRAM_FOG = 2,           // fog
+  KELP_PROGRAM_FOG_HEAT = 4,      // fog that glows by its heat
+  KELP_PROGRAM_FOG_SHADOW = 8,    // fog that shades itself (kelp_view.self_shadow)
   KELP_PROGRAM_EITHER_BEND = 16,  // solid parts of both kinds; with KELP_FEATURE_DISTANCES, in place of two
   KELP_PROGRAM_DEBUG = 32,        // parts, in the colors of kelp_view.debug
   KELP_PROGRAM_LINES = 64         // the lines of kelp_view.debug: no parts
 };
 enum { KELP_PROGRAMS = 65 };  // every kelp_program is below
-// The programs that parts of the asset may need, but for kelp_view.debug: bit i of *programs for the kelp_program i. The asset need
-// not be added.
+// The programs that parts of the asset may need, but for kelp_view.debug: bit i of *programs for the
+// kelp_program i. The asset need not be added.
 KELP_API kelp_result kelp_planner_get_programs(kelp_planner planner, kelp_asset asset, uint32_t* programs);
 
 // Call it once a frame. Wants at most max_bytes (0, or 4096 and more) copied of what the draws since the last
