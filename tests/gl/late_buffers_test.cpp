@@ -2,171 +2,26 @@
 // The shaders where the GPU's buffers hold what nobody put there: every draw ends, and where tables are
 // missing coarser voxels are drawn.
 #include <bit>
-#include <cstring>
+#include <cmath>
 #include <random>
-
-#include <glm/geometric.hpp>
+#include <sstream>
 
 #include "canvas.h"
-#include "kelp/draw/program_text.h"
+#include "support/distance_pack.h"
+#include "support/fog_pack.h"
+#include "swept_pack.h"
 
 namespace kelp::test {
 namespace {
 
-using gl::Features;
+using runtime::Instance;
 
-constexpr glm::ivec2 kSize{16, 16};
-
-class LateBuffersTest : public GlTest {
- protected:
-  // Programs that have all loops.
-  std::vector<draw::ProgramText> texts() const {
-    const draw::Dialect dialect = desktop() ? draw::Dialect::kGl330 : draw::Dialect::kEs300;
-    const Features rays = Features::kSecondaryRays, all = rays | Features::kDistances;
-    using enum draw::Program;
-    return {draw::programText(kSheared, dialect, rays), draw::programText(kSwept, dialect, rays),
-            draw::programText(kEitherBend, dialect, all),
-            draw::programText(kFog | kFogHeat | kFogShadow, dialect),
-            draw::programText(kFog | kSwept | kFogHeat | kFogShadow, dialect)};
-  }
-  static GLuint link(const draw::ProgramText& text) {
-    const GLuint program = glCreateProgram();
-    for (const auto& [kind, strings] :
-         {std::pair(GL_VERTEX_SHADER, &text.vertex), std::pair(GL_FRAGMENT_SHADER, &text.fragment)}) {
-      const GLuint shader = glCreateShader(static_cast<GLenum>(kind));
-      glShaderSource(shader, static_cast<GLsizei>(strings->count), strings->strings.data(), nullptr);
-      glCompileShader(shader);
-      glAttachShader(program, shader);
-      glDeleteShader(shader);
-    }
-    glLinkProgram(program);
-    GLint good = 0;
-    glGetProgramiv(program, GL_LINK_STATUS, &good);
-    EXPECT_TRUE(good);
-    return program;
-  }
-};
-
-// Words as they might be found: nothing, small numbers, numbers of a model, codes of solid voxels, any bits.
-class Anything {
- public:
-  explicit Anything(unsigned seed) : random_(seed) {}
-  std::uint32_t bits() { return static_cast<std::uint32_t>(random_()); }
-  float between(float low, float high) { return std::uniform_real_distribution<float>(low, high)(random_); }
-  std::uint32_t next() {
-    switch (bits() % 6) {
-      case 0:
-        return 0;
-      case 1:
-        return bits() % 4096;
-      case 2:
-        return std::bit_cast<std::uint32_t>(between(-2, 2));
-      case 3:
-        return std::bit_cast<std::uint32_t>(between(0, 70));
-      case 4:
-        return 0x80000000u | bits() % 16384;  // a stored cell, or very many arcs
-      default:
-        return bits();
-    }
-  }
-  std::vector<glm::uvec4> many(std::size_t texels) {
-    std::vector<glm::uvec4> out(texels);
-    for (glm::uvec4& texel : out) texel = {next(), next(), next(), next()};
-    return out;
-  }
-
- private:
-  std::mt19937 random_;
-};
-
-// Makes a record of one that holds anything: so that rays go through its box, in any direction. What else
-// there is stays in about half of them.
-void makeRecord(Anything& words, glm::uvec4* record) {
-  const auto put = [&](int texel, const glm::vec4& row) { std::memcpy(&record[texel], &row, sizeof row); };
-  put(0, {1.0f / 32, 0, 0, -1});
-  put(1, {0, 1.0f / 32, 0, -1});
-  put(2, {0, 0, 0, 0});
-  put(3, {0, 0, 0, 1});
-  const glm::vec3 ray =
-      glm::normalize(glm::vec3(words.between(-1, 1), words.between(-1, 1) + 0.01f, words.between(-1, 1)));
-  put(7, glm::vec4(ray, 0));
-  const auto putHead = [&](int texel, const glm::vec3& v) { std::memcpy(&record[texel], &v, sizeof v); };
-  putHead(9, glm::vec3(0));
-  putHead(10, glm::vec3(64));
-  record[12].w = 0 | 1 << 3 | 2 << 6 | 3 << 9 | 3 << 12 | 3 << 15;  // its face
-  if (words.bits() % 2) {
-    put(4, {1, 0, 0, 0});
-    put(5, {0, 1, 0, 0});
-    put(6, {0, 0, 1, 0});
-  }
-  if (words.bits() % 2) putHead(11, glm::vec3(64));
-  if (words.bits() % 2) record[9].w = words.bits();
-  if (words.bits() % 2) record[10].w %= 32768;
-}
-
-TEST_P(LateBuffersTest, WhateverTheyHoldADrawEnds) {
-  constexpr int kPoolRows = 32, kRecordRows = 4, kDraws = 40;
-  const Canvas canvas(kSize);
-  GLuint textures[2], vertices;
-  glGenTextures(2, textures);
-  glGenVertexArrays(1, &vertices);
-  glBindVertexArray(vertices);
-  glEnable(GL_DEPTH_TEST);
-  int covered = 0;
-  for (const draw::ProgramText& text : texts()) {
-    const GLuint program = link(text);
-    glUseProgram(program);
-    const auto set = [&](const char* name, GLint value) {
-      glUniform1i(glGetUniformLocation(program, name), value);
-    };
-    set("kelp_pool", 0);
-    set("kelp_records", 1);
-    set("kelp_scene_depth", 2);
-    for (unsigned draw = 0; draw < kDraws; ++draw) {
-      Anything words(draw);
-      const std::vector<glm::uvec4> pool = words.many(1024 * kPoolRows / 4);
-      std::vector<glm::uvec4> records = words.many(std::size_t{1024} * kRecordRows);
-      records[0] = {1, 1, 1, 1};
-      makeRecord(words, &records[1]);
-      for (const int unit : {0, 1}) {
-        glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
-        const GLenum target = unit == 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
-        glBindTexture(target, textures[unit]);
-        glTexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-        glTexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-      }
-      glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, 1024, kRecordRows, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
-                   records.data());
-      glActiveTexture(GL_TEXTURE0);
-      glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_R32UI, 1024, kPoolRows, 1, 0, GL_RED_INTEGER, GL_UNSIGNED_INT,
-                   pool.data());
-      for (const char* name : {"kelp_motion", "kelp_self_shadow", "kelp_occlusion"})
-        set(name, static_cast<GLint>(words.bits() % 2));
-      set("kelp_shading", static_cast<GLint>(words.bits() % 4));
-      set("kelp_occlusion_rays", words.bits() % 2 ? 0x7fffffff : 2);
-      glUniform1f(glGetUniformLocation(program, "kelp_occlusion_reach"), words.between(-1, 1));
-      glUniform1f(glGetUniformLocation(program, "kelp_sun_radius"), words.bits() % 2 ? 0.02f : 0.0f);
-      glUniform1f(glGetUniformLocation(program, "kelp_clip_low"), -1);
-      glUniform3f(glGetUniformLocation(program, "kelp_sun_direction"), 0.6f, 0.8f, 0);
-      canvas.clear();
-      glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 6, 1);
-      for (const float depth : desktop() ? canvas.depths() : std::vector<float>()) covered += depth != 1;
-      ASSERT_EQ(glGetError(), GLenum{GL_NO_ERROR});
-    }
-    glDeleteProgram(program);
-  }
-  EXPECT_TRUE(covered > 1000 || !desktop()) << "hardly a ray met anything: " << covered;
-  glDeleteTextures(2, textures);
-  glDeleteVertexArrays(1, &vertices);
-}
-
-// The textures of a draw.
-struct Bound {
+// The textures of a draw of solids, whose words can be changed: View::bind notes them.
+struct DrawnFrom {
   GLint pool = 0, records = 0;
-  GLuint program = 0;
+
   static void note(void* user, std::uint32_t program) {
-    auto& bound = *static_cast<Bound*>(user);
-    bound.program = program;
+    auto& self = *static_cast<DrawnFrom*>(user);
     GLint active = 0;
     glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
     const auto take = [&](const char* name, GLenum binding, GLint& texture) {
@@ -175,8 +30,8 @@ struct Bound {
       glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
       glGetIntegerv(binding, &texture);
     };
-    take("kelp_pool", GL_TEXTURE_BINDING_2D_ARRAY, bound.pool);
-    take("kelp_records", GL_TEXTURE_BINDING_2D, bound.records);
+    take("kelp_pool", GL_TEXTURE_BINDING_2D_ARRAY, self.pool);
+    take("kelp_records", GL_TEXTURE_BINDING_2D, self.records);
     glActiveTexture(static_cast<GLenum>(active));
   }
   glm::uvec4 record(int texel) const {
@@ -193,46 +48,274 @@ struct Bound {
     glDeleteFramebuffers(1, &framebuffer);
     return out;
   }
-  void clearWords(std::uint32_t at, std::uint32_t count) const {
-    glBindTexture(GL_TEXTURE_2D_ARRAY, static_cast<GLuint>(pool));
-    for (const std::uint32_t zero = 0; count > 0; --count, ++at)
+  void setRecord(int texel, const glm::uvec4& value) const {
+    onScratchUnit(GL_TEXTURE_2D, records, [&] {
+      glTexSubImage2D(GL_TEXTURE_2D, 0, texel % 1024, texel / 1024, 1, 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                      &value);
+    });
+  }
+  void setWord(std::uint32_t at, std::uint32_t value) const {
+    onScratchUnit(GL_TEXTURE_2D_ARRAY, pool, [&] {
       glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, static_cast<GLint>(at % 1024),
                       static_cast<GLint>(at / 1024 % 1024), static_cast<GLint>(at >> 20), 1, 1, 1,
-                      GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
-    glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
+                      GL_RED_INTEGER, GL_UNSIGNED_INT, &value);
+    });
+  }
+
+ private:
+  template <class Write>
+  static void onScratchUnit(GLenum target, GLint texture, Write&& write) {
+    GLint active = 0;
+    glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
+    glActiveTexture(GL_TEXTURE9);
+    glBindTexture(target, static_cast<GLuint>(texture));
+    write();
+    glBindTexture(target, 0);
+    glActiveTexture(static_cast<GLenum>(active));
   }
 };
 
+// Words as they might be found: nothing, small numbers, numbers of a model, what may be a stored cell or very
+// many arcs, any bits.
+class Anything {
+ public:
+  std::uint32_t bits() { return static_cast<std::uint32_t>(random_()); }
+  std::uint32_t below(std::uint32_t count) { return bits() % count; }
+  std::uint32_t word() {
+    switch (below(6)) {
+      case 0:
+        return 0;
+      case 1:
+        return below(65536);
+      case 2:
+        return std::bit_cast<std::uint32_t>(between(-2, 2));
+      case 3:
+        return std::bit_cast<std::uint32_t>(between(0, 70));
+      case 4:
+        return 0x80000000u | below(65536);
+      default:
+        return bits();
+    }
+  }
+
+ private:
+  float between(float low, float high) { return std::uniform_real_distribution<float>(low, high)(random_); }
+  std::mt19937 random_{50};
+};
+
+// Changes the records just before they are drawn.
+struct Vandal {
+  DrawnFrom from;
+  Anything anything;
+  std::uint32_t words = 0;  // that it changes
+
+  static void act(void* user, std::uint32_t program) {
+    auto& self = *static_cast<Vandal*>(user);
+    DrawnFrom::note(&self.from, program);
+    // The draw's numbers stand behind the records. This finds where in the draw before.
+    GLint number = 0;
+    glGetUniformiv(program, glGetUniformLocation(program, "kelp_first_instance"), &number);
+    const std::uint32_t texels = 13 + static_cast<std::uint32_t>(number) / 4;
+    // What the first record says of counts and places is chosen most.
+    constexpr int kCounts[][2] = {{9, 3}, {10, 3}, {11, 3}, {12, 0}};
+    for (std::uint32_t i = 0; i < self.words; ++i) {
+      auto texel = static_cast<int>(self.anything.below(texels));
+      int word = static_cast<int>(self.anything.below(4));
+      if (self.anything.below(2) == 0) {
+        const auto& count = kCounts[self.anything.below(4)];
+        texel = count[0], word = count[1];
+      }
+      glm::uvec4 value = self.from.record(texel);
+      value[word] = self.anything.word();
+      self.from.setRecord(texel, value);
+    }
+  }
+};
+
+// A shader in which no loop takes more turns than kelpTurn allows, whatever bounds it: kelp_endless says so.
+// (Some drivers leave loops by themselves, and nobody sees.)
+constexpr char kTurn[] =
+    "bool kelp_endless = false;\n"
+    "bool kelpTurn(inout int turns) {\n"
+    "  kelp_endless = kelp_endless || ++turns > 20000;\n"
+    "  return !kelp_endless;\n"
+    "}\n";
+std::string countTurns(const std::string& text) {
+  std::string declared, out, of_do;
+  int loops = 0, counted = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line); out += line + "\n") {
+    line.resize(std::min(line.find("//"), line.size()));
+    for (const char* word : {"for (", "while ("}) {
+      for (std::size_t at = line.find(word); at != std::string::npos; at = line.find(word, at + 1)) ++loops;
+    }
+    const std::string code = line.substr(std::min(line.find_first_not_of(' '), line.size()));
+    const bool is_do = code.starts_with("do {"), is_for = code.starts_with("for ("),
+               is_while = code.starts_with("while ("), is_end = code.starts_with("} while (");
+    if (!is_do && !is_for && !is_while && !is_end) continue;
+    std::string turns = of_do;
+    if (!is_end) {
+      turns = "kelp_turns_" + std::to_string(counted++);
+      declared += "int " + turns + ";\n";
+      line = turns + " = 0; ";
+    } else {
+      line.clear();
+    }
+    if (is_do) {
+      of_do = turns;
+      line += code;
+      continue;
+    }
+    // Its condition.
+    const std::size_t begin = is_for ? code.find(';') + 1 : code.find('(') + 1,
+                      end = is_for   ? code.find(';', begin)
+                            : is_end ? code.rfind(");")
+                                     : std::min(code.rfind(") {"), code.rfind(") ++"));
+    line += code.substr(0, begin) + " kelpTurn(" + turns + ") && (" + code.substr(begin, end - begin) + ")" +
+            code.substr(end);
+  }
+  EXPECT_EQ(counted, loops) << "this test does not see all loops";
+  return declared + kTurn + out;
+}
+
+// OpenGL with such shaders. Loops without an end show as red, before all else; what would be drawn as green.
+struct CountingGl {
+  static constexpr char kMain[] =
+      "void main() {\n"
+      "  kelp_color = vec4(0.0);\n"
+      "  kelpMain();\n"
+      "  gl_FragDepth = kelp_endless ? 0.0 : 0.5;\n"
+      "  kelp_color = vec4(kelp_endless ? 1.0 : 0.0, kelp_color == vec4(0.0) ? 0.0 : 1.0, 0.0, 0.0);\n"
+      "}\n";
+  static void APIENTRY shaderSource(GLuint shader, GLsizei count, const char* const* strings, const GLint*) {
+    std::string text;
+    for (GLsizei i = 1; i < count; ++i) text += strings[i];
+    if (text.find("gl_FragDepth") != std::string::npos) {
+      // Fog's guard is as many turns as llvmpipe's own. Here it is less than kelpTurn's.
+      constexpr std::string_view kSteps = "KELP_FOG_STEPS 65536";
+      if (const std::size_t at = text.find(kSteps); at != std::string::npos)
+        text.replace(at, kSteps.size(), "KELP_FOG_STEPS 16384");
+      text = countTurns(text) + kMain;
+      for (const auto& [from, to] :
+           {std::pair("discard;", "return;"), std::pair("main() {", "kelpMain() {")}) {
+        const std::size_t length = std::string_view(from).size();
+        for (std::size_t at = 0; (at = text.find(from, at)) < text.size() - sizeof kMain; ++at)
+          text.replace(at, length, to);
+      }
+    }
+    const char* const whole[] = {strings[0], text.c_str()};  // the version stays first
+    glShaderSource(shader, 2, whole, nullptr);
+  }
+  static void* getProcAddress(void* user, const char* name) {
+    if (std::string_view(name) == "glShaderSource") return reinterpret_cast<void*>(&shaderSource);
+    return EglContext::getProcAddress(user, name);
+  }
+};
+
+// Casts all rays that there are, and moves the point to where it was.
+constexpr char kAllRays[] =
+    "vec4 kelpSurface(KelpSurface s) {\n"
+    "  vec2 rays = kelpVisible(s, true, 4, 0.5);\n"
+    "  return vec4(rays + kelpVisible(s), s.previous_clip.x, 1.0);\n"
+    "}\n";
+
+class LateBuffersTest : public GlTest {};
+
+TEST_P(LateBuffersTest, WhateverTheyHoldADrawEnds) {
+  RawPack pack = distancePackOf(ballClump({60, 80, 50}, 20, 2));
+  const reference::SweepRig rig = reference::namedSweeps(pack.parts[0].size)[5];
+  pack.parts.push_back(pack.parts[0]);
+  pack.parts[1].name = "swept";
+  pack.parts[1].bend = Bend::kSweep;
+  pack.parts[1].knots = rig.knots;
+  pack.parts[1].roll = rig.roll;
+  runtime::AssetOptions options;
+  options.distance_level = 0;
+  const LoadedAsset solid(pack, options);
+  const fields::FogSamples samples = fogOf({40, 56, 36}, puffs, puffs);
+  const RawPack sheared_pack = fogPack(samples, 0.2f);
+  RawPack swept_pack = fogPack(samples, 0.2f, rig.knots);
+  swept_pack.parts[0].bend = Bend::kSweep;
+  const LoadedAsset sheared_fog(sheared_pack), swept_fog(swept_pack);
+  const Instance solids{solid.asset.get(), nullptr},
+      fogs[] = {{sheared_fog.asset.get(), nullptr}, {swept_fog.asset.get(), nullptr}};
+
+  gl::RendererOptions config;
+  config.getProcAddress = CountingGl::getProcAddress;
+  config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
+  config.surface_glsl = kAllRays;
+  config.gpu_budget = kGpuBudget;
+  config.features = gl::Features::kSecondaryRays | gl::Features::kDistances;
+  auto created = gl::Renderer::create(config);
+  ASSERT_TRUE(created);
+  const auto renderer = *std::move(created);
+  for (const LoadedAsset* loaded : {&solid, &sheared_fog, &swept_fog})
+    ASSERT_TRUE(renderer->add(*loaded->asset));
+  ASSERT_TRUE(renderer->upload(~std::uint64_t{0}));
+
+  const Canvas canvas({24, 24});
+  Vandal vandal;
+  int covered = 0, endless = 0;
+  for (std::uint32_t round = 0; round < 48; ++round) {
+    const float turn = static_cast<float>(round);
+    gl::View view =
+        lookAt(canvas, {1.3f * std::sin(turn), 0.7f + 0.2f * std::sin(0.7f * turn), 1.3f * std::cos(turn)},
+               {0, 0.5f, 0});
+    const glm::mat4 before = view.camera.eye_to_clip * view.camera.world_to_eye;
+    view.camera.previous_world_to_clip = &before;
+    view.quality.pixels_per_voxel = round % 2 == 0 ? 0.0f : 1.5f;
+    view.quality.self_shadow = true;
+    view.quality.soft_shadows = round % 3 == 0 ? 0.0f : 2.0f;
+    view.quality.occlusion = round % 3 != 0;
+    view.bind = Vandal::act;
+    view.bind_user = &vandal;
+    vandal.words = round % 4 == 0 ? 0 : 1u << (round % 8);
+    canvas.clear();
+    const auto drawn = renderer->draw(view, {&solids, 1});
+    ASSERT_TRUE(drawn);
+    ASSERT_TRUE(renderer->draw(view, fogs, gl::Pass::kFog));
+    for (const Pixel& pixel : canvas.pixels()) {
+      covered += pixel[1] != 0;
+      endless += pixel[0] != 0;
+    }
+    // More and more of the pool.
+    const auto used = static_cast<std::uint32_t>(drawn->gpu_bytes / 4);
+    for (std::uint32_t i = 0; i < 4u << (round / 4); ++i)
+      vandal.from.setWord(vandal.anything.below(used), vandal.anything.word());
+  }
+  EXPECT_EQ(endless, 0);
+  EXPECT_GT(covered, 48 * 24) << "rays hardly meet anything";
+  EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+}
+
 TEST_P(LateBuffersTest, WithoutItsTableALevelIsDrawnAsTheNextCoarserOne) {
   const LoadedAsset loaded(packOf(ballClump({60, 80, 50}, 20, 2)));
-  const runtime::Instance instance{loaded.asset.get(), nullptr};
+  const Instance instance{loaded.asset.get(), nullptr};
   const int levels = loaded.asset->pack().parts()[0].levels;
   ASSERT_GE(levels, 3);
   const Canvas canvas({120, 120});
   gl::RendererOptions config;
-  config.features = Features::kSecondaryRays;
+  config.features = gl::Features::kSecondaryRays;
   const auto renderer = makeRenderer(*loaded.asset, nullptr, config);
-  Bound bound;
+  DrawnFrom from;
   const auto draw = [&](int level) {
     gl::View view = lookAt(canvas, {0.9f, 0.8f, 1.4f}, {0, 0.5f, 0});
     view.quality.pixels_per_voxel = 0;
     view.quality.finest_level = level;
     view.quality.self_shadow = true;
-    view.bind = Bound::note;
-    view.bind_user = &bound;
+    view.bind = DrawnFrom::note;
+    view.bind_user = &from;
     canvas.clear();
     EXPECT_TRUE(renderer->draw(view, {&instance, 1}));
     return canvas.pixels();
   };
   std::vector<std::vector<Pixel>> expected;
   for (int level = 0; level < levels; ++level) expected.push_back(draw(level));
-  expected.emplace_back(expected[0].size());  // without any table: nothing
-  GLint number = 0;
-  glGetUniformiv(bound.program, glGetUniformLocation(bound.program, "kelp_first_instance"), &number);
-  const auto record = static_cast<int>(bound.record(number / 4)[number % 4]);
-  const std::uint32_t tables = bound.record(record + 10).w;
+  expected.emplace_back(expected[0].size());       // without any table: nothing
+  const std::uint32_t tables = from.record(10).w;  // of the only record
   for (int level = 0; level < levels; ++level) {
-    bound.clearWords(tables + 3 * static_cast<std::uint32_t>(level), 3);
+    for (std::uint32_t word = 0; word < 3; ++word)
+      from.setWord(tables + 3 * static_cast<std::uint32_t>(level) + word, 0);
     EXPECT_EQ(draw(0), expected[static_cast<std::size_t>(level) + 1]) << level;
     EXPECT_NE(expected[static_cast<std::size_t>(level)], expected[static_cast<std::size_t>(level) + 1]);
   }
