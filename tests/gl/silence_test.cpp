@@ -73,7 +73,7 @@ TEST_P(SilenceTest, DrawingBeforeAnythingIsUploadedSaysSo) {
   EXPECT_EQ(renderer->draw(view(), instance_)->waiting, 1u);
   const gl::Stats stats = renderer->draw(view(), instance_).value();
   EXPECT_EQ(stats.pending, static_cast<std::uint32_t>(loaded_.asset->pack().parts()[0].levels));
-  EXPECT_EQ(said, std::vector<std::string>{"an asset: nothing on the GPU yet; call Renderer::upload()\n"});
+  EXPECT_EQ(said, std::vector<std::string>{"an asset: nothing on the GPU yet; call upload()\n"});
   renderer->remove(*loaded_.asset);
   EXPECT_EQ(renderer->draw(view(), {})->pending, 0u);
   renderer->add(*loaded_.asset).value();
