@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "metadata.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 
 #include "kelp/formats/brick.h"
 #include "kelp/formats/sweep.h"
@@ -10,18 +12,6 @@
 
 namespace kelp {
 namespace {
-
-// True if the matrix has an inverse. The runtime uses both directions.
-bool isInvertible(const glm::mat4x3& m) {
-  const double determinant =
-      static_cast<double>(m[0].x) *
-          (static_cast<double>(m[1].y) * m[2].z - static_cast<double>(m[1].z) * m[2].y) -
-      static_cast<double>(m[1].x) *
-          (static_cast<double>(m[0].y) * m[2].z - static_cast<double>(m[0].z) * m[2].y) +
-      static_cast<double>(m[2].x) *
-          (static_cast<double>(m[0].y) * m[1].z - static_cast<double>(m[0].z) * m[1].y);
-  return isFinite(m) && std::isfinite(determinant) && determinant != 0.0;
-}
 
 Result<void> readPart(RecordReader& in, std::uint32_t index, const PackLimits& limits, Part& part) {
   const std::size_t at = in.at();
@@ -301,6 +291,58 @@ Result<void> parseSockets(std::span<const std::byte> chunk, Metadata& out) {
     slot = socket;
   }
   if (text != text_bytes) return corrupt("the lengths of the socket names do not match their text", 4);
+  return {};
+}
+
+Result<void> parseJoints(std::span<const std::byte> chunk, Metadata& out) {
+  if (chunk.size() < layout::kJntsHeader) return corrupt("the joint table is too short", 0);
+  RecordReader in(chunk);
+  const std::uint32_t count = in.u32(), listed = in.u32(), text_bytes = in.u32();
+  const std::uint64_t lists_at = layout::kJntsHeader + std::uint64_t{count} * layout::kJntsRecord,
+                      names_at = lists_at + std::uint64_t{listed} * sizeof(std::uint32_t);
+  if (chunk.size() != names_at + text_bytes)
+    return corrupt("the joint table's size does not match its counts", 0);
+  if (!out.takeRoom(count, sizeof(Joint)) || !out.takeRoom(listed, sizeof(std::uint32_t)) ||
+      !out.takeRoom(text_bytes, 1))
+    return tooLarge();
+  if (!out.joints.reset(count) || !out.joint_parts.reset(listed) || !out.joint_names.reset(text_bytes))
+    return outOfMemory("no memory for the joints");
+  if (text_bytes > 0) std::memcpy(out.joint_names.data(), chunk.data() + names_at, text_bytes);
+
+  std::uint64_t text = 0, used = 0;
+  for (std::size_t i = 0; i < out.joints.size(); ++i) {
+    const std::size_t at = in.at();
+    Joint& joint = out.joints[i];
+    const std::uint32_t name_bytes = in.u32();
+    joint.parent = in.take<std::int32_t>();
+    joint.inverse_bind = in.mat4x3();
+    const std::uint32_t parts = in.u32();
+    if (name_bytes < 1 || name_bytes > layout::kMaxNameBytes || name_bytes > text_bytes - text)
+      return corrupt("a joint's name is not 1 to 255 bytes long", at);
+    joint.name = {out.joint_names.data() + text, name_bytes};
+    if (!isName(joint.name))
+      return corrupt("a joint's name is not UTF-8 without control characters",
+                     static_cast<std::size_t>(names_at + text));
+    text += name_bytes;
+    if (joint.parent < -1 || joint.parent >= static_cast<std::int64_t>(i))
+      return corrupt("a joint's parent is not an earlier joint", at + 4);
+    if (!isInvertible(joint.inverse_bind))
+      return corrupt("a joint's inverse bind matrix cannot be inverted", at + 8);
+    if (parts > listed - used) return corrupt("the joints have more parts than the table", at + 56);
+    joint.parts = out.joint_parts.span().subspan(static_cast<std::size_t>(used), parts);
+    used += parts;
+  }
+  if (text != text_bytes || used != listed)
+    return corrupt("the joints do not use every name and every part of the table", 4);
+  for (std::uint32_t& part : out.joint_parts) {
+    const std::size_t at = in.at();
+    part = in.u32();
+    if (part >= out.parts.size()) return corrupt("a joint's part does not exist", at);
+  }
+  for (const Joint& joint : out.joints)
+    if (std::adjacent_find(joint.parts.begin(), joint.parts.end(), std::greater_equal<>()) !=
+        joint.parts.end())
+      return corrupt("the parts of a joint do not ascend", static_cast<std::size_t>(lists_at));
   return {};
 }
 

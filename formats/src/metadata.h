@@ -36,7 +36,10 @@ struct Metadata {
         tracks(allocator),
         keys(allocator),
         socket_names(allocator),
-        sockets(allocator) {}
+        sockets(allocator),
+        joint_names(allocator),
+        joint_parts(allocator),
+        joints(allocator) {}
 
   // Subtracts the bytes of a table from the room that is left. False if the limits do not allow it. Counts
   // have 32 bits, so the product does not overflow.
@@ -63,6 +66,9 @@ struct Metadata {
   Buffer<Key> keys;
   Buffer<char> socket_names;
   Buffer<Socket> sockets;  // names point into socket_names
+  Buffer<char> joint_names;
+  Buffer<std::uint32_t> joint_parts;
+  Buffer<Joint> joints;  // names point into joint_names, parts into joint_parts
 };
 
 Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out);
@@ -74,6 +80,7 @@ Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out);
 Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);     // call it after parseParts
 Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);    // call it after parseRigs
 Result<void> parseSockets(std::span<const std::byte> chunk, Metadata& out);  // call it after parseParts
+Result<void> parseJoints(std::span<const std::byte> chunk, Metadata& out);   // likewise
 
 // True if the text is UTF-8 without overlong forms, surrogates and U+0000. A name must not have control
 // characters either.

@@ -200,4 +200,27 @@ bool buildSockets(const RawPack& pack, Buffer<std::byte>& out) {
   return true;
 }
 
+bool buildJoints(const RawPack& pack, Buffer<std::byte>& out) {
+  std::size_t text = 0, listed = 0;
+  for (const RawJoint& joint : pack.joints) {
+    text += joint.name.size();
+    listed += joint.parts.size();
+  }
+  if (!out.reset(layout::kJntsHeader + pack.joints.size() * layout::kJntsRecord +
+                 listed * sizeof(std::uint32_t) + text))
+    return false;
+  RecordWriter to(out);
+  for (const std::size_t n : {pack.joints.size(), listed, text}) to.count(n);
+  for (const RawJoint& joint : pack.joints) {
+    to.count(joint.name.size());
+    to.put(joint.parent);
+    to.put(joint.inverse_bind);
+    to.count(joint.parts.size());
+  }
+  for (const RawJoint& joint : pack.joints)
+    for (const std::uint32_t part : joint.parts) to.put(part);
+  for (const RawJoint& joint : pack.joints) to.text(joint.name);
+  return true;
+}
+
 }  // namespace kelp

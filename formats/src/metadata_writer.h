@@ -22,6 +22,7 @@ inline constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write th
 [[nodiscard]] bool buildRigs(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildClips(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildSockets(const RawPack& pack, Buffer<std::byte>& out);
+[[nodiscard]] bool buildJoints(const RawPack& pack, Buffer<std::byte>& out);
 
 inline Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
 

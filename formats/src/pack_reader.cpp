@@ -80,7 +80,9 @@ Result<void> Pack::Impl::readMetadata() {
     return r;
   if (const Result<void> r = readTable(found->clip, [&](Bytes b) { return parseClips(b, metadata); }); !r)
     return r;
-  return readTable(found->sock, [&](Bytes b) { return parseSockets(b, metadata); });
+  if (const Result<void> r = readTable(found->sock, [&](Bytes b) { return parseSockets(b, metadata); }); !r)
+    return r;
+  return readTable(found->jnts, [&](Bytes b) { return parseJoints(b, metadata); });
 }
 
 Result<void> Pack::Impl::read() {
@@ -110,6 +112,7 @@ std::span<const Part> Pack::parts() const { return impl_->metadata.parts.span();
 std::span<const Material> Pack::palette() const { return impl_->metadata.palette.span(); }
 std::span<const Clip> Pack::clips() const { return impl_->metadata.clips.span(); }
 std::span<const Socket> Pack::sockets() const { return impl_->metadata.sockets.span(); }
+std::span<const Joint> Pack::joints() const { return impl_->metadata.joints.span(); }
 std::span<const Pack::ChunkInfo> Pack::chunks() const { return impl_->container.chunks.span(); }
 
 Result<LevelGrid> Pack::readGrid(int part, int level) const {

@@ -61,8 +61,12 @@ class Writer {
     for (const RawSocket& socket : pack_.sockets)
       if (socket.name.size() > layout::kMaxNameBytes)
         return misuse("a socket's name is longer than 255 bytes");
+    for (const RawJoint& joint : pack_.joints) {
+      if (joint.name.size() > layout::kMaxNameBytes) return misuse("a joint's name is longer than 255 bytes");
+      entries += 1 + joint.parts.size();
+    }
     if (entries > kMost || levels_ > kMost || distance_levels_ > kMost || pack_.sockets.size() > kMost)
-      return misuse("too many levels, waves, tracks, keys or sockets");
+      return misuse("too many levels, waves, tracks, keys, sockets or joints");
     return {};
   }
 
@@ -104,9 +108,13 @@ class Writer {
       if (!buildClips(pack_, table)) return kNoMemory;
       if (const Result<void> r = add(layout::kClip, false, parseClips(table.span(), parsed)); !r) return r;
     }
-    if (pack_.sockets.empty()) return {};
-    if (!buildSockets(pack_, table)) return kNoMemory;
-    return add(layout::kSock, false, parseSockets(table.span(), parsed));
+    if (!pack_.sockets.empty()) {
+      if (!buildSockets(pack_, table)) return kNoMemory;
+      if (const Result<void> r = add(layout::kSock, false, parseSockets(table.span(), parsed)); !r) return r;
+    }
+    if (pack_.joints.empty()) return {};
+    if (!buildJoints(pack_, table)) return kNoMemory;
+    return add(layout::kJnts, false, parseJoints(table.span(), parsed));
   }
 
   Result<void> packLevels() {
@@ -271,7 +279,8 @@ class Writer {
     layout::store(head.span(), 12, kFormatMajor);
     const bool any_empty = std::any_of(pack_.parts.begin(), pack_.parts.end(),
                                        [](const RawPart& part) { return part.levels.empty(); });
-    layout::store(head.span(), 14, static_cast<std::uint16_t>(any_empty ? 1 : 0));
+    const std::uint16_t minor = !pack_.joints.empty() ? 2 : any_empty ? 1 : 0;
+    layout::store(head.span(), 14, minor);
     layout::store(head.span(), 16, end);
     layout::store(head.span(), 24, static_cast<std::uint32_t>(chunk_count_));
     layout::store(head.span(), layout::kHeaderChecksum, checksum(head.span()));
@@ -303,7 +312,7 @@ class Writer {
     return offset == written_ || send(std::span(kZeros).first(static_cast<std::size_t>(offset - written_)));
   }
 
-  static constexpr std::size_t kMetadataChunks = 7;
+  static constexpr std::size_t kMetadataChunks = 8;
 
   const RawPack& pack_;
   const Sink& sink_;

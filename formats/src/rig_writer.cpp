@@ -58,6 +58,9 @@ class RigWriter {
       return r;
     if (const Result<void> r = readTable(found.matl, [&](Bytes b) { return parsePalette(b, parsed_); }); !r)
       return r;
+    if (found.jnts != MetadataChunks::kNone)
+      if (const Result<void> r = readTable(found.jnts, [&](Bytes b) { return parseJoints(b, parsed_); }); !r)
+        return r;
     if (found.fogs == MetadataChunks::kNone) {
       if (const Result<void> r = parseFogs({}, parsed_); !r) return r;
     } else if (const Result<void> r = readTable(found.fogs, [&](Bytes b) { return parseFogs(b, parsed_); });

@@ -215,6 +215,17 @@ Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size) {
 
 // Each coordinate of a corner is a sum of one of two numbers per axis, so its extremes are sums of extremes,
 // rounding included (Arvo 1990).
+bool isInvertible(const glm::mat4x3& m) {
+  const double determinant =
+      static_cast<double>(m[0].x) *
+          (static_cast<double>(m[1].y) * m[2].z - static_cast<double>(m[1].z) * m[2].y) -
+      static_cast<double>(m[1].x) *
+          (static_cast<double>(m[0].y) * m[2].z - static_cast<double>(m[0].z) * m[2].y) +
+      static_cast<double>(m[2].x) *
+          (static_cast<double>(m[0].y) * m[1].z - static_cast<double>(m[0].z) * m[1].y);
+  return isFinite(m) && std::isfinite(determinant) && determinant != 0.0;
+}
+
 Box transformed(const glm::mat4& matrix, const Box& box) {
   Box result;
   if (box.empty()) return result;

@@ -264,7 +264,7 @@ _Source = _sized("kelp_source", read=_ReadFunction, acquire=c_void_p, release=c_
 _AssetInfo = _sized(
     "kelp_asset_info", format_minor=c_uint32, file_size=c_uint64, memory=c_uint64, info_json=_Text,
     palette=c_void_p, palette_count=c_uint32, parts=c_uint32, clips=c_uint32, sockets=c_uint32,
-    has_distances=c_uint32, loads_distances=c_uint32)
+    has_distances=c_uint32, loads_distances=c_uint32, joints=c_uint32)
 _Part = _sized(
     "kelp_part", parent=c_int32, name=_Text, kind=c_int32, bend=c_int32, levels=c_int32,
     distance_levels=c_int32, size=c_int32 * 3, to_object=c_float * 16, pivot=c_float * 16, parent_at=c_float,
@@ -278,6 +278,8 @@ _Track = _sized("kelp_track", part=c_int32, knot=c_int32, target=c_int32, interp
                 key_count=c_uint32, keys=c_void_p)
 _Socket = _sized("kelp_socket", part=c_int32, name=_Text, at=c_float, offset=c_float * 2,
                  rotation=c_float * 4)
+_Joint = _sized("kelp_joint", parent=c_int32, name=_Text, inverse_bind=c_float * 16, part_count=c_uint32,
+                parts=c_void_p)
 _Level = _sized("kelp_level", size=c_int32 * 3, grid=c_int32 * 3, pages=c_uint32, cells=c_void_p)
 _DistanceLevel = _sized(
     "kelp_distance_level", size=c_int32 * 3, grid=c_int32 * 3, band_outside=c_uint32, band_inside=c_uint32,
@@ -353,6 +355,8 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "asset_get_track": (_Handle, c_int32, c_int32, _p(_Track)),
     "asset_get_socket": (_Handle, c_int32, _p(_Socket)),
     "asset_find_socket": (_Handle, c_char_p, c_int32, _p(c_int32)),
+    "asset_get_joint": (_Handle, c_int32, _p(_Joint)),
+    "asset_find_joint": (_Handle, c_char_p, _p(c_int32)),
     "asset_resident_level": (_Handle, c_int32, c_int32, _p(c_int32)),
     "asset_get_level": (_Handle, c_int32, c_int32, _p(_Level)),
     "asset_get_distance_level": (_Handle, c_int32, c_int32, _p(_DistanceLevel)),
@@ -687,7 +691,8 @@ class Source(Protocol):
 
 
 class AssetInfo(NamedTuple):
-    """memory: bytes in memory now. palette: (n,) MATERIAL. parts, clips, sockets: their numbers."""
+    """memory: bytes in memory now. palette: (n,) MATERIAL. parts, clips, sockets, joints: their
+    numbers."""
     format_minor: int
     file_size: int
     memory: int
@@ -698,6 +703,7 @@ class AssetInfo(NamedTuple):
     sockets: int
     has_distances: bool
     loads_distances: bool
+    joints: int
 
 
 class Part(NamedTuple):
@@ -757,6 +763,17 @@ class Socket(NamedTuple):
     at: float
     offset: Array
     rotation: Array
+
+
+class Joint(NamedTuple):
+    """Of the skin that the parts were made of; parents come first. parent: NONE, or an earlier joint.
+    inverse_bind: (4, 4), meters, at rest -> joint space. parts: (n,) int32, ascending: those made to move as
+    the joint does, alone or with others. With a matrix from joint space to meters, what follows the joint
+    alone goes from x at rest to `matrix @ inverse_bind @ x`."""
+    name: str
+    parent: int
+    inverse_bind: Array
+    parts: Array
 
 
 class Level(NamedTuple):
@@ -876,6 +893,13 @@ class Asset(_Object):
             return [_answer(Socket, self._get("socket", _Socket, i))
                     for i in range(self._get("info", _AssetInfo).sockets)]
 
+    @property
+    def joints(self) -> list[Joint]:
+        with _using(self):
+            joints = [self._get("joint", _Joint, i) for i in range(self._get("info", _AssetInfo).joints)]
+            return [_answer(Joint, joint, inverse_bind=_rows(joint.inverse_bind),
+                            parts=_copy(joint.parts, joint.part_count, np.int32)) for joint in joints]
+
     def find_part(self, name: str) -> int:
         """The first part of that name. Error: there is none; the text lists the names."""
         part = c_int32()
@@ -893,6 +917,12 @@ class Asset(_Object):
         socket = c_int32()
         _call("asset_find_socket", self._handle, _of(name, str), part, byref(socket))
         return socket.value
+
+    def find_joint(self, name: str) -> int:
+        """The first joint of that name. Error: there is none; the text lists the names."""
+        joint = c_int32()
+        _call("asset_find_joint", self._handle, _of(name, str), byref(joint))
+        return joint.value
 
     def resident_level(self, part: int, wanted: int = 0) -> Optional[int]:
         """The finest level that is wholly in memory and not finer than `wanted`, else the coarsest of the

@@ -14,7 +14,7 @@ class AbsentName {
  public:
   explicit AbsentName(const Allocator& allocator) : text_(allocator) {}
 
-  // `kind` is "clip", "part" or "socket"; the items have names. False: no memory.
+  // `kind` is "clip", "part", "socket" or "joint"; the items have names. False: no memory.
   template <class Item>
   [[nodiscard]] bool prepare(std::string_view kind, std::span<const Item> items) {
     if (!text_.reset(kMostBytes)) return false;

@@ -272,7 +272,8 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const AssetOpti
   if (Result<void> prepared = impl->prepareLevels(); !prepared) return prepared.error();
   if (!impl->absent_clip.prepare("clip", impl->pack.clips()) ||
       !impl->absent_part.prepare("part", impl->pack.parts()) ||
-      !impl->absent_socket.prepare("socket", impl->pack.sockets()))
+      !impl->absent_socket.prepare("socket", impl->pack.sockets()) ||
+      !impl->absent_joint.prepare("joint", impl->pack.joints()))
     return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
   auto* const life = new (std::nothrow) Life;
   if (!life) return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};

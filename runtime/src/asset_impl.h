@@ -44,6 +44,7 @@ struct Asset::Impl {
         absent_clip(given.allocator),
         absent_part(given.allocator),
         absent_socket(given.allocator),
+        absent_joint(given.allocator),
         first_level(given.allocator),
         place(given.allocator) {}
   ~Impl();
@@ -123,7 +124,7 @@ struct Asset::Impl {
   simd::ClipTables clips;
   Buffer<char> name;                // of the file, without its folder; empty: opened from a source
   std::atomic<bool> pumped{false};  // pump() or loadAll() was called
-  AbsentName absent_clip, absent_part, absent_socket;
+  AbsentName absent_clip, absent_part, absent_socket, absent_joint;
   // In the order of loading: voxels, then distances, each coarse to fine, then by part.
   std::unique_ptr<LevelState[]> states;
   std::size_t state_count = 0, voxel_count = 0;
@@ -174,11 +175,12 @@ struct ClipReader {
   static const simd::ClipTables& tables(const Asset& asset) { return asset.impl().clips; }
 };
 
-// Access for findClip(), findPart() and findSocket().
+// Access for findClip(), findPart(), findSocket() and findJoint().
 struct NameReader {
   static Error absentClip(const Asset& asset) { return asset.impl().absent_clip.error(); }
   static Error absentPart(const Asset& asset) { return asset.impl().absent_part.error(); }
   static Error absentSocket(const Asset& asset) { return asset.impl().absent_socket.error(); }
+  static Error absentJoint(const Asset& asset) { return asset.impl().absent_joint.error(); }
 };
 
 // Access to distances for queries, without a search.

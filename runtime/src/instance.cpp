@@ -279,6 +279,13 @@ Result<int> findPart(const Asset& asset, std::string_view name) {
   return NameReader::absentPart(asset);
 }
 
+Result<int> findJoint(const Asset& asset, std::string_view name) {
+  const std::span<const Joint> joints = asset.pack().joints();
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (joints[i].name == name) return static_cast<int>(i);
+  return NameReader::absentJoint(asset);
+}
+
 Result<int> findSocket(const Asset& asset, std::string_view name, int part) {
   const std::span<const Socket> sockets = asset.pack().sockets();
   for (std::size_t i = 0; i < sockets.size(); ++i) {

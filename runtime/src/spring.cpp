@@ -10,6 +10,7 @@
 
 #include "kelp/simd/bound_knots.h"
 #include "pose_writer.h"
+#include "posed_part.h"
 
 namespace kelp::runtime {
 namespace {

@@ -62,6 +62,8 @@ const Call kAssetCalls[] = {
     {"track", [](const Handles& h) { return kelp_asset_get_track(h.asset, 0, 0, out<kelp_track>()); }},
     {"socket", [](const Handles& h) { return kelp_asset_get_socket(h.asset, 0, out<kelp_socket>()); }},
     {"find_socket", [](const Handles& h) { return kelp_asset_find_socket(h.asset, "tip", -1, &number); }},
+    {"joint", [](const Handles& h) { return kelp_asset_get_joint(h.asset, 0, out<kelp_joint>()); }},
+    {"find_joint", [](const Handles& h) { return kelp_asset_find_joint(h.asset, "root", &number); }},
     {"resident", [](const Handles& h) { return kelp_asset_resident_level(h.asset, 0, 0, &number); }},
     {"level", [](const Handles& h) { return kelp_asset_get_level(h.asset, 0, 0, out<kelp_level>()); }},
     {"distances",
@@ -306,6 +308,7 @@ TEST_F(CBadInput, SizesOfStructs) {
   expectSizes("wave", sized<kelp_wave>(), [a](kelp_wave* s) { return kelp_asset_get_wave(a, 0, 0, s); });
   expectSizes("track", sized<kelp_track>(), [a](kelp_track* s) { return kelp_asset_get_track(a, 0, 0, s); });
   expectSizes("socket", sized<kelp_socket>(), [a](kelp_socket* s) { return kelp_asset_get_socket(a, 0, s); });
+  expectSizes("joint", sized<kelp_joint>(), [a](kelp_joint* s) { return kelp_asset_get_joint(a, 0, s); });
   expectSizes("level", sized<kelp_level>(), [a](kelp_level* s) { return kelp_asset_get_level(a, 0, 0, s); });
   expectSizes("distance level", sized<kelp_distance_level>(),
               [a](kelp_distance_level* s) { return kelp_asset_get_distance_level(a, 0, 0, s); });
@@ -399,6 +402,7 @@ TEST_F(CBadInput, NullPointersAndBadNumbers) {
            kelp_asset_find_clip(a, nullptr, &number),
            kelp_asset_find_part(a, nullptr, &number),
            kelp_asset_find_socket(a, "tip", -1, nullptr),
+           kelp_asset_find_joint(a, "root", nullptr),
            kelp_pose_create(a, nullptr, nullptr),
            kelp_pose_get_knots(p, 0, nullptr, 1, &count),
            kelp_pose_get_knots(p, 0, knots, 1, nullptr),
@@ -447,6 +451,7 @@ TEST_F(CBadInput, NullPointersAndBadNumbers) {
            kelp_asset_get_wave(a, 0, 1, out<kelp_wave>()),
            kelp_asset_get_track(a, 0, -1, out<kelp_track>()),
            kelp_asset_get_socket(a, 2, out<kelp_socket>()),
+           kelp_asset_get_joint(a, 3, out<kelp_joint>()),
            kelp_pose_add_clip(p, a, 9, 0, 1, 0),
            kelp_pose_add_clip(p, a, 0, 0, 1, 2),
            kelp_pose_move(p, 0, 3, kNumbers),

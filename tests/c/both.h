@@ -26,16 +26,17 @@
 
 namespace kelp::test {
 
-// The path of a small pack: "distance" has a sheared and a swept part, a clip with a wave and tracks, sockets
-// and distances; "solid" has no distances; "fog" has fog.
+// The path of a small pack: "distance" has a sheared and a swept part, a clip with a wave and tracks,
+// sockets, joints and distances; "solid" has no distances; "fog" has fog.
 inline std::string packFile(const std::string& name) {
   static const Scratch scratch;
   static std::map<std::string, std::string> paths;  // each is made once
   std::string& path = paths[name];
   if (path.empty()) {
-    const RawPack pack = name == "distance" ? makeTinyDistancePack()
-                         : name == "fog"    ? makeTinyFogPack()
-                                            : makeTinyPack();
+    RawPack pack = name == "distance" ? makeTinyDistancePack()
+                   : name == "fog"    ? makeTinyFogPack()
+                                      : makeTinyPack();
+    if (name == "distance") pack.joints = makeTinyJointPack().joints;
     path = scratch.write(name + ".kelp", std::span<const std::byte>(writeToMemory(pack))).string();
   }
   return path;

@@ -18,6 +18,7 @@ TEST(CContents, InfoAndPalette) {
   EXPECT_EQ(pack.parts().size(), info.parts);
   EXPECT_EQ(pack.clips().size(), info.clips);
   EXPECT_EQ(pack.sockets().size(), info.sockets);
+  EXPECT_EQ(pack.joints().size(), info.joints);
   EXPECT_EQ(1u, info.has_distances);
   EXPECT_EQ(1u, info.loads_distances);
   ASSERT_EQ(2u, info.palette_count);
@@ -127,6 +128,13 @@ TEST(CContents, NamesAreFoundAndAnErrorListsThem) {
   EXPECT_EQ(1, found);
   EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_find_part(assets.c, "nobody", &found));
   EXPECT_NE(nullptr, std::strstr(lastError().text, part.c_str()));
+  ASSERT_KELP(kelp_asset_find_joint(assets.c,
+                                    "H\xc3\xbc"
+                                    "fte",
+                                    &found));
+  EXPECT_EQ(1, found);
+  EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_find_joint(assets.c, "stem", &found));
+  EXPECT_NE(nullptr, std::strstr(lastError().text, "root"));
   EXPECT_EQ(1, found) << "an error changes nothing";
 }
 
@@ -142,6 +150,22 @@ TEST(CContents, Sockets) {
     expectSame(socket.offset, expected.offset, "offset");
     EXPECT_EQ(expected.rotation,
               glm::quat(socket.rotation[3], socket.rotation[0], socket.rotation[1], socket.rotation[2]));
+  }
+}
+
+TEST(CContents, Joints) {
+  const BothAssets assets(packFile("distance"));
+  const std::span<const Joint> joints = assets.cpp->pack().joints();
+  ASSERT_EQ(joints.size(), 3u);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    auto joint = sized<kelp_joint>();
+    ASSERT_KELP(kelp_asset_get_joint(assets.c, static_cast<int>(i), &joint));
+    EXPECT_EQ(joints[i].name, toString(joint.name));
+    EXPECT_EQ(joints[i].parent, joint.parent);
+    expectSame(joint.inverse_bind, glm::mat4(joints[i].inverse_bind), "inverse_bind");
+    ASSERT_EQ(joints[i].parts.size(), joint.part_count);
+    for (std::uint32_t k = 0; k < joint.part_count; ++k)
+      EXPECT_EQ(joints[i].parts[k], static_cast<std::uint32_t>(joint.parts[k]));
   }
 }
 

@@ -88,6 +88,20 @@ class Contents(Column):
             self.assertEqual(["tip", "Blüte"], [socket.name for socket in asset.sockets])
             self.near(asset.sockets[0].offset, (0.125, -0.0625))
 
+    def test_joints(self):
+        """As tests/formats/tiny_pack.h says."""
+        golden = os.path.join(os.path.dirname(__file__), "../formats/golden/joints.kelp")
+        with kelp.Asset(golden) as asset:
+            root, bone, again = asset.joints
+            self.assertEqual((3, 1), (asset.info.joints, asset.find_joint("Hüfte")))
+            with self.assertRaisesRegex(kelp.Error, "root, Hüfte"):
+                asset.find_joint("tip")
+        self.assertEqual([("root", kelp.NONE, []), ("Hüfte", 0, [0, 1]), ("Hüfte", 1, [1])],
+                         [(joint.name, joint.parent, joint.parts.tolist()) for joint in (root, bone, again)])
+        self.near(root.inverse_bind, [(1, 0, 0, 0.5), (0, 1, 0, -2), (0, 0, 1, 0.25), (0, 0, 0, 1)])
+        self.near(bone.inverse_bind @ (1, 1, 1, 1), (1, -1, -1.875, 1))
+        self.assertEqual([], self.asset.joints)
+
     def test_memory_and_source(self):
         with open(PACK, "rb") as file:
             data = file.read()

@@ -39,7 +39,8 @@ struct Golden {
 const Golden kGoldens[] = {{"solid.kelp", test::makeTinyPack},
                            {"fog.kelp", test::makeTinyFogPack},
                            {"distance.kelp", test::makeTinyDistancePack},
-                           {"empty.kelp", test::makeTinyEmptyPack}};
+                           {"empty.kelp", test::makeTinyEmptyPack},
+                           {"joints.kelp", test::makeTinyJointPack}};
 
 TEST(Golden, ReadsAsItWasWritten) {
   for (const Golden& golden : kGoldens) {
@@ -51,7 +52,9 @@ TEST(Golden, ReadsAsItWasWritten) {
     const test::Comparison result = test::compare(*pack, golden.make());
     ASSERT_TRUE(result.status);
     EXPECT_TRUE(result.equal);
-    EXPECT_EQ(pack->minorVersion(), golden.make == test::makeTinyEmptyPack ? 1 : 0);
+    EXPECT_EQ(pack->minorVersion(), golden.make == test::makeTinyJointPack   ? 2
+                                    : golden.make == test::makeTinyEmptyPack ? 1
+                                                                             : 0);
     EXPECT_EQ(verify(file->source(), {}, nullptr, nullptr), 0u);
   }
 }

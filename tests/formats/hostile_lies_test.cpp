@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "joint_lies.h"
 #include "lying_pack.h"
 #include "socket_lies.h"
 
@@ -15,7 +16,6 @@ using test::kCorrupt;
 using test::Lie;
 using test::PackSurgeon;
 using test::set;
-using test::tinyBytes;
 
 constexpr ErrorCode kFeature = ErrorCode::kUnsupportedFeature;
 
@@ -276,14 +276,14 @@ const Lie kPageLies[] = {
      [](PackSurgeon& s) { s.chunks[s.find("GRID") + 2].content[1] = std::byte{128}; }},
 };
 
-template <std::size_t N>
-void expectAllRefused(const Lie (&lies)[N]) {
+void expectAllRefused(std::span<const Lie> lies, const RawPack& pack = test::tinyPack()) {
+  const Bytes sound = test::writeToMemory(pack);
   for (const Lie& lie : lies) {
     SCOPED_TRACE(lie.name);
-    PackSurgeon surgeon(tinyBytes());
+    PackSurgeon surgeon(sound);
     lie.tell(surgeon);
     const Bytes told = surgeon.build();
-    test::expectRefused(test::readAll(test::tinyPack(), told), told, lie.code);
+    test::expectRefused(test::readAll(pack, told), told, lie.code);
   }
 }
 
@@ -292,6 +292,7 @@ TEST(Hostile, LiesInThePartsAreRefused) { expectAllRefused(kPartLies); }
 TEST(Hostile, LiesInPaletteAndRigsAreRefused) { expectAllRefused(kPaletteAndRigLies); }
 TEST(Hostile, LiesInTheClipsAreRefused) { expectAllRefused(kClipLies); }
 TEST(Hostile, LiesInTheSocketsAreRefused) { expectAllRefused(test::kSocketLies); }
+TEST(Hostile, LiesInTheJointsAreRefused) { expectAllRefused(test::kJointLies, test::makeTinyJointPack()); }
 TEST(Hostile, LiesInGridsAreRefused) { expectAllRefused(kGridLies); }
 TEST(Hostile, LiesInPagesAreRefused) { expectAllRefused(kPageLies); }
 

@@ -209,6 +209,7 @@ void expectFailedAllocationsReported(const RawPack& raw) {
 TEST(Hostile, EveryFailedAllocationIsReportedAndNothingLeaks) {
   expectFailedAllocationsReported(test::makeTinyPack());
   expectFailedAllocationsReported(test::makeTinyFogPack());
+  expectFailedAllocationsReported(test::makeTinyJointPack());
 }
 
 TEST(Hostile, AllocatorsLackNothing) {

@@ -136,6 +136,14 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
     check(a.name == b.name && a.part == b.part && a.at == b.at && a.offset == b.offset &&
           a.rotation == b.rotation);
   }
+  check(pack.joints().size() == raw.joints.size());
+  if (!out.equal) return out;
+  for (std::size_t i = 0; i < raw.joints.size(); ++i) {
+    const Joint& a = pack.joints()[i];
+    const RawJoint& b = raw.joints[i];
+    check(a.name == b.name && a.parent == b.parent && a.inverse_bind == b.inverse_bind &&
+          std::equal(a.parts.begin(), a.parts.end(), b.parts.begin(), b.parts.end()));
+  }
   return out;
 }
 

@@ -84,10 +84,18 @@ class Table:
         need(self.at == len(self.data), self.what + " is longer than its counts say")
 
 
+def regular(m):
+    """The first three columns of a 4 x 3 matrix have a determinant that is finite and not zero."""
+    a, b, c = m[0:3], m[3:6], m[6:9]
+    cross = (b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0])
+    determinant = sum(x * y for x, y in zip(a, cross))
+    return math.isfinite(determinant) and determinant != 0
+
+
 PI = struct.unpack("<f", struct.pack("<f", math.pi))[0]
-METADATA = ["INFO", "PART", "MATL", "FOGS", "RIGS", "CLIP", "SOCK"]
-REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "FOGS": 1, "RIGS": 1, "CLIP": 0, "SOCK": 0, "GRID": 1, "BRCK": 1,
-        "FOGB": 1, "DGRD": 0, "DIST": 0}
+METADATA = ["INFO", "PART", "MATL", "FOGS", "RIGS", "CLIP", "SOCK", "JNTS"]
+REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "FOGS": 1, "RIGS": 1, "CLIP": 0, "SOCK": 0, "JNTS": 0, "GRID": 1,
+        "BRCK": 1, "FOGB": 1, "DGRD": 0, "DIST": 0}
 
 
 class Pack:
@@ -163,6 +171,9 @@ class Pack:
         self.sockets = []
         if "SOCK" in content:
             self.read_sockets(Table(content["SOCK"], "SOCK"))
+        self.joints = []
+        if "JNTS" in content:
+            self.read_joints(Table(content["JNTS"], "JNTS"))
 
     def read_parts(self, table):
         count, text_bytes = table.take("II")
@@ -176,11 +187,7 @@ class Pack:
             need((levels == 0 if kind == 2 else 1 <= levels <= 16) and reserved == 0,
                     "levels or reserved field")
             need(all(1 <= side <= 32768 for side in size), "size of a part")
-            for m in (to_object, pivot):
-                a, b, c = m[0:3], m[3:6], m[6:9]
-                cross = (b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0])
-                determinant = sum(x * y for x, y in zip(a, cross))
-                need(math.isfinite(determinant) and determinant != 0, "a matrix cannot be inverted")
+            need(regular(to_object) and regular(pivot), "a matrix cannot be inverted")
             sizes.append(name_bytes)
             self.parts.append({"parent": parent, "kind": kind, "levels": levels, "size": size,
                     "to_object": to_object, "pivot": pivot})
@@ -305,6 +312,19 @@ class Pack:
             need(record[1] < len(self.parts) and 0 <= record[2] <= 1, "a socket")
             need(0.998 < sum(v * v for v in record[5:9]) < 1.002, "a socket's rotation")
             self.sockets.append((table.name(record[0]),) + record[1:])
+        table.end()
+
+    def read_joints(self, table):
+        count, listed, text_bytes = table.take("III")
+        records = [table.take("Ii12fI") for _ in range(count)]
+        need(all(r[0] >= 1 for r in records) and sum(r[0] for r in records) == text_bytes, "names of joints")
+        need(sum(r[14] for r in records) == listed, "lists of parts of joints")
+        lists = [table.take("%dI" % r[14]) for r in records]
+        for index, (record, parts) in enumerate(zip(records, lists)):
+            need(-1 <= record[1] < index, "a joint's parent")
+            need(regular(record[2:14]), "a joint's inverse bind matrix")
+            need(all(a < b for a, b in zip(parts, parts[1:] + (len(self.parts),))), "a joint's parts")
+            self.joints.append((table.name(record[0]), record[1], record[2:14], parts))
         table.end()
 
     # Section 5
@@ -563,6 +583,9 @@ def dump(pack):
             out.append("track %d %d %d %d" % (part, knot, target, interpolation))
             out += ["key " + bits(key) for key in keys]
     out += ["socket %s %d %s" % (s[0].encode().hex(), s[1], bits(s[2:])) for s in pack.sockets]
+    for name, parent, matrix, parts in pack.joints:
+        out.append(" ".join(["joint", name.encode().hex(), str(parent), bits(matrix), "parts"]
+                + [str(part) for part in parts]))
     return "\n".join(out) + "\n"
 
 

@@ -13,6 +13,7 @@
 #include <random>
 #include <string>
 
+#include "joint_lies.h"
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "pack_surgeon.h"
@@ -98,7 +99,8 @@ std::vector<std::uint8_t> withoutRanks(std::vector<std::uint8_t> codes) {
 std::string dump(const RawPack& pack) {
   const bool any_empty =
       std::any_of(pack.parts.begin(), pack.parts.end(), [](const RawPart& p) { return p.levels.empty(); });
-  std::string out = format("minor %d\ninfo ", any_empty) + pack.info_json + "\n";
+  std::string out =
+      format("minor %d\ninfo ", !pack.joints.empty() ? 2 : int{any_empty}) + pack.info_json + "\n";
   for (const Material& m : pack.palette) out += "material " + bits(m) + "\n";
   for (const RawPart& part : pack.parts) {
     out += "part " + hex(part.name) +
@@ -149,12 +151,17 @@ std::string dump(const RawPack& pack) {
     out += "socket " + hex(s.name) + format(" %u ", s.part) + bits(s.at) + " " + bits(s.offset) + " " +
            bits(rotation) + "\n";
   }
+  for (const RawJoint& joint : pack.joints) {
+    out += "joint " + hex(joint.name) + format(" %d ", joint.parent) + bits(joint.inverse_bind) + " parts";
+    for (const std::uint32_t part : joint.parts) out += format(" %u", part);
+    out += "\n";
+  }
   return out;
 }
 
 TEST(SecondReader, ReadsWhatTheWriterWrote) {
   std::vector<RawPack> packs = {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
-                                test::makeTinyEmptyPack()};
+                                test::makeTinyEmptyPack(), test::makeTinyJointPack()};
   packs.push_back(test::makeTinyFogPack());
   packs.back().parts[2].bend = Bend::kSweep;
   for (std::uint32_t seed = 50; seed < 52; ++seed) packs.push_back(test::makeRandomPack(seed, {3, 50, 3, 3}));
@@ -169,7 +176,7 @@ TEST(SecondReader, ReadsWhatTheWriterWrote) {
 
 TEST(SecondReader, SeesEveryChangedByte) {
   for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
-                              test::makeTinyEmptyPack()}) {
+                              test::makeTinyEmptyPack(), test::makeTinyJointPack()}) {
     const PackFile file(test::writeToMemory(pack));
     const Answer damaged = readPack("--damage \"" + file.path.string() + "\"");
     if (damaged.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
@@ -184,7 +191,7 @@ TEST(SecondReader, RefusesTheSameLies) {
   const int lies = test::allTests() ? 60 : 6;  // of each pack
   int refused = 0, accepted = 0;
   for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
-                              test::makeTinyEmptyPack()}) {
+                              test::makeTinyEmptyPack(), test::makeTinyJointPack()}) {
     const test::PackSurgeon sound(test::writeToMemory(pack));
     for (int i = 0; i < lies; ++i) {
       test::PackSurgeon lying = sound;
@@ -217,16 +224,20 @@ TEST(SecondReader, RefusesTheSameLies) {
   EXPECT_GT(accepted, lies / 6);
 }
 
-TEST(SecondReader, RefusesLiesAboutSockets) {
-  for (std::size_t i = 0; i < std::size(test::kSocketLies); i += test::allTests() ? 1 : 4) {
-    const test::Lie& lie = test::kSocketLies[i];
-    test::PackSurgeon surgeon(test::tinyBytes());
-    lie.tell(surgeon);
+void expectRefused(std::span<const test::Lie> lies, const test::Bytes& sound) {
+  for (std::size_t i = 0; i < lies.size(); i += test::allTests() ? 1 : 4) {
+    test::PackSurgeon surgeon(sound);
+    lies[i].tell(surgeon);
     const PackFile file(surgeon.build());
     const Answer read = readPack("\"" + file.path.string() + "\" 2>&1");
     if (read.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
-    EXPECT_EQ(read.code, 3) << lie.name << ": " << read.text.substr(0, 300);
+    EXPECT_EQ(read.code, 3) << lies[i].name << ": " << read.text.substr(0, 300);
   }
+}
+
+TEST(SecondReader, RefusesLiesAboutSockets) { expectRefused(test::kSocketLies, test::tinyBytes()); }
+TEST(SecondReader, RefusesLiesAboutJoints) {
+  expectRefused(test::kJointLies, test::writeToMemory(test::makeTinyJointPack()));
 }
 
 }  // namespace

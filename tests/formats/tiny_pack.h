@@ -118,4 +118,23 @@ inline RawPack makeTinyEmptyPack() {
   return pack;
 }
 
+// A pack with joints, two of one name. Its bytes are checked in as golden/joints.kelp.
+inline RawPack makeTinyJointPack() {
+  RawPack pack = makeTinyPack();
+  RawJoint root{"root", -1, glm::mat4x3(1), {}}, bone{
+                                                     "H\xc3\xbc"
+                                                     "fte",
+                                                     0,
+                                                     glm::mat4x3(1),
+                                                     {0, 1}};
+  root.inverse_bind[3] = {0.5f, -2, 0.25f};
+  bone.inverse_bind = {{0, 0, -2}, {0, 2, 0}, {2, 0, 0}, {-1, -3, 0.125f}};
+  RawJoint again = bone;
+  again.parent = 1;
+  again.inverse_bind[3].x = 4;
+  again.parts = {1};
+  pack.joints = {root, bone, again};
+  return pack;
+}
+
 }  // namespace kelp::test

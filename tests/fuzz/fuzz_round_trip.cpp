@@ -184,6 +184,16 @@ RawSocket makeSocket(Numbers& in, const RawPack& pack) {
   return socket;
 }
 
+RawJoint makeJoint(Numbers& in, const RawPack& pack) {
+  RawJoint joint;
+  joint.name = "j" + in.text();
+  joint.parent = in.below(static_cast<int>(pack.joints.size()) + 1) - 1;
+  joint.inverse_bind[3] = in.vector();
+  for (std::uint32_t part = 0; part < pack.parts.size(); ++part)
+    if (in.byte() % 2 == 1) joint.parts.push_back(part);
+  return joint;
+}
+
 RawPack makePack(Numbers& in) {
   RawPack pack;
   pack.info_json = in.byte() % 4 == 0 ? "" : "{\"n\":\"" + in.text() + "\"}";
@@ -204,6 +214,7 @@ RawPack makePack(Numbers& in) {
       part.roll = roll;
     }
   }
+  for (int count = in.below(4); count > 0; --count) pack.joints.push_back(makeJoint(in, pack));
   return pack;
 }
 
@@ -228,8 +239,9 @@ void change(Numbers& in, RawPack& pack) {
   RawLevel* const level = part.levels.empty() ? nullptr : &part.levels[which / 8 % part.levels.size()];
   RawClip* const clip = pack.clips.empty() ? nullptr : &pack.clips[which % pack.clips.size()];
   Knot* const knot = part.knots.empty() ? nullptr : &part.knots[at % part.knots.size()];
+  RawJoint* const joint = pack.joints.empty() ? nullptr : &pack.joints[which % pack.joints.size()];
   RawSocket* const socket = pack.sockets.empty() ? nullptr : &pack.sockets[which % pack.sockets.size()];
-  switch (what % 27) {
+  switch (what % 31) {
     case 0:
       if (level) changeOne(level->cells, at, number);
       break;
@@ -308,6 +320,18 @@ void change(Numbers& in, RawPack& pack) {
       break;
     case 23:
       if (socket) socket->rotation[at % 4] = real;
+      break;
+    case 27:
+      if (joint) joint->name.assign(at % 300, static_cast<char>(number));
+      break;
+    case 28:
+      if (joint) joint->parent = static_cast<int>(number);
+      break;
+    case 29:
+      if (joint) joint->inverse_bind[at % 4][at / 4 % 3] = real;
+      break;
+    case 30:
+      if (joint) joint->parts.push_back(number);
       break;
     default:
       pack.palette.resize(at % 300);

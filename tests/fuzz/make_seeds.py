@@ -358,8 +358,8 @@ def record(chunk, at, number, what=1):
 def restamped_seeds():
     # Chunks of the first: INFO PART MATL RIGS CLIP SOCK, then GRID BRCK three times. Of the second: INFO PART
     # MATL FOGS RIGS, then GRID and BRCK or FOGB four times. Of the third: those of the first, then DGRD DIST
-    # four times.
-    tiny, fog, distance = b"\0", b"\1", b"\2"
+    # four times. Of the fourth: those of the first with JNTS after SOCK.
+    tiny, fog, distance, joints = b"\0", b"\1", b"\2", b"\3"
     nan, two = 0x7fc00000, 0x40000000
     for sound, name, kinds in (
             (tiny, "tiny", ("info", "part", "matl", "rigs", "clip", "sock")),
@@ -367,6 +367,10 @@ def restamped_seeds():
         for chunk, kind in enumerate(kinds):
             yield "%s_%s_nan.bin" % (name, kind), sound + record(chunk, 32, nan)
             yield "%s_%s_byte.bin" % (name, kind), sound + record(chunk, 12, 0xff, 0)
+    # The parent of the second joint, an infinite number in its matrix, its list of parts, and part 2 of 2.
+    for at, number in ((76, 1), (80, 0x7f800000), (128, 9), (196, 2)):
+        yield "joints_%d.bin" % at, joints + record(6, at, number)
+    yield "joints_hosts.bin", joints + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))
     # A sound pack still, with other information each time it is changed: met by every kind of host.
     yield "tiny_hosts.bin", tiny + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))
     yield "fog_hosts.bin", fog + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))

@@ -38,6 +38,10 @@ bool same(const RawSocket& a, const RawSocket& b) {
   return a.name == b.name && a.part == b.part && same(a.at, b.at) && same(a.offset, b.offset) &&
          same(a.rotation, b.rotation);
 }
+bool same(const RawJoint& a, const RawJoint& b) {
+  return a.name == b.name && a.parent == b.parent && same(a.inverse_bind, b.inverse_bind) &&
+         a.parts == b.parts;
+}
 bool same(const RawTrack& a, const RawTrack& b) {
   return a.part == b.part && a.knot == b.knot && a.target == b.target && a.interpolation == b.interpolation &&
          same(a.keys, b.keys);
@@ -113,6 +117,9 @@ Result<RawPack> rawOf(const Pack& pack, const Allocator& allocator) {
   }
   for (const Socket& socket : pack.sockets())
     out.sockets.push_back({std::string(socket.name), socket.part, socket.at, socket.offset, socket.rotation});
+  for (const Joint& joint : pack.joints())
+    out.joints.push_back(
+        {std::string(joint.name), joint.parent, joint.inverse_bind, listOf<std::uint32_t>(joint.parts)});
   return out;
 }
 
@@ -130,5 +137,6 @@ const char* differenceOf(const RawPack& a, const RawPack& b) {
     if (!all(x.tracks, y.tracks)) return "a clip's tracks";
   }
   if (!all(a.sockets, b.sockets)) return "the sockets";
+  if (!all(a.joints, b.joints)) return "the joints";
   return nullptr;
 }

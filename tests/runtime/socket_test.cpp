@@ -94,6 +94,7 @@ TEST(Sockets, AreFoundByName) {
   ASSERT_FALSE(root);
   EXPECT_EQ(root.error().code, ErrorCode::kMisuse);
   EXPECT_NE(std::string_view(root.error().detail).find(parts[1].name), std::string_view::npos);
+  EXPECT_STREQ(findJoint(asset, "tip").error().detail, "there is no joint of that name; the pack has none");
   EXPECT_STREQ(findClip(asset, "sway").error().detail, "there is no clip of that name; the pack has none");
   EXPECT_EQ(socketToWorld(scene.instance, 2).error().code, ErrorCode::kMisuse);
   EXPECT_EQ(socketToWorld(scene.instance, -1).error().code, ErrorCode::kMisuse);
@@ -122,6 +123,19 @@ TEST(Sockets, AreFoundByName) {
   many.resize(2);
   EXPECT_EQ(partsToWorld(scene.instance, many).error().code, ErrorCode::kMisuse);
   EXPECT_EQ(socketToWorld(scene.instance, 0).error().code, ErrorCode::kMisuse);
+}
+
+TEST(Joints, TheFirstOfANameIsFound) {
+  RawPack pack = stemAndLeaf();
+  for (const char* const name : {"hip", "knee", "knee"})
+    pack.joints.push_back({name, static_cast<int>(pack.joints.size()) - 1, glm::mat4x3(1), {}});
+  const Scene scene(pack);
+  const Asset& asset = *scene.loaded.asset;
+  EXPECT_EQ(findJoint(asset, "hip").value(), 0);
+  EXPECT_EQ(findJoint(asset, "knee").value(), 1);
+  EXPECT_EQ(findJoint(asset, "ankle").error().code, ErrorCode::kMisuse);
+  EXPECT_STREQ(findJoint(asset, "ankle").error().detail,
+               "there is no joint of that name; there are: hip, knee, knee");
 }
 
 TEST(Sockets, ManyNamesAreCutShort) {

@@ -97,6 +97,7 @@ kelp_result kelp_asset_get_info(kelp_asset asset, kelp_asset_info* info) {
     out.parts = static_cast<std::uint32_t>(pack.parts().size());
     out.clips = static_cast<std::uint32_t>(pack.clips().size());
     out.sockets = static_cast<std::uint32_t>(pack.sockets().size());
+    out.joints = static_cast<std::uint32_t>(pack.joints().size());
     out.has_distances = pack.hasDistances();
     out.loads_distances = described.loadsDistances();
     return KELP_OK;
@@ -182,6 +183,24 @@ kelp_result kelp_asset_find_socket(kelp_asset asset, const char* name, int32_t p
   const Pinned<AssetObject> object(asset.id);
   if (!object) return object.bad();
   return name && socket ? answer(findSocket(*object->asset, name, part), socket) : nullPointer();
+}
+
+kelp_result kelp_asset_get_joint(kelp_asset asset, int32_t joint, kelp_joint* out) {
+  return describeElement(asset, out, &Pack::joints, joint, "there is no such joint",
+                         [](const Asset&, const kelp::Joint& from, kelp_joint& to) {
+                           to.parent = from.parent;
+                           to.name = text(from.name);
+                           put(glm::mat4(from.inverse_bind), to.inverse_bind);
+                           to.part_count = static_cast<std::uint32_t>(from.parts.size());
+                           to.parts = same<std::int32_t>(from.parts.data(), from.parts.size()).data();
+                           return KELP_OK;
+                         });
+}
+
+kelp_result kelp_asset_find_joint(kelp_asset asset, const char* name, int32_t* joint) {
+  const Pinned<AssetObject> object(asset.id);
+  if (!object) return object.bad();
+  return name && joint ? answer(findJoint(*object->asset, name), joint) : nullPointer();
 }
 
 kelp_result kelp_asset_get_level(kelp_asset asset, int32_t part, int32_t level, kelp_level* out) {

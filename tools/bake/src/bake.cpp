@@ -279,6 +279,7 @@ void voxelizeParts(Job& job) {
 DividedSkin divideSkins(Job& job) {
   DividedSkin divided = divideSkinnedPart(job.model, job.frames.front(), job.settings.pad, job.threads,
                                           job.progress, job.report);
+  job.pack.joints = std::move(divided.joints);
   requireRiggedParts(job.model, job.settings, job.input);
   job.frames.assign(job.model.parts.size(), Frame());
   job.grids.clear();

@@ -47,6 +47,31 @@ std::string infoOf(const std::vector<SkinPart>& parts, const std::optional<Outer
                                                       nlohmann::ordered_json::error_handler_t::replace);
 }
 
+// The joints as a pack holds them: all or, with a notice, none.
+std::vector<RawJoint> jointsOf(const SourcePart& whole, const SkinParts& divided, Report& report) {
+  const glm::dmat4 from_object = glm::inverse(glm::dmat4(glm::dmat4x3(whole.to_object)));
+  std::vector<RawJoint> joints;
+  for (std::size_t j = 0; j < whole.skin->joints.size(); ++j) {
+    const SourceSkin::Joint& from = whole.skin->joints[j];
+    RawJoint& joint = joints.emplace_back();
+    joint.name = from.name;
+    joint.parent = from.parent;
+    const glm::dmat4 bind = from.inverse_bind * from_object;
+    joint.inverse_bind = glm::mat4x3(glm::dmat4x3(bind));
+    joint.parts = divided.parts_of_joints[j];
+    const double volume = std::abs(glm::determinant(glm::dmat3(bind))),
+                 sides = glm::length(glm::dvec3(bind[0])) * glm::length(glm::dvec3(bind[1])) *
+                         glm::length(glm::dvec3(bind[2]));
+    if (volume > 1e-7 * sides && isInvertible(joint.inverse_bind)) continue;
+    report.notices.push_back(fmt::format(
+        "the pack holds no joints, so a game cannot move its skeleton: the inverse bind matrix of joint '{}' "
+        "has no inverse that 32-bit floats can hold; clips are not concerned",
+        from.name));
+    return {};
+  }
+  return joints;
+}
+
 // The whole's line becomes one for each part; the mesh and its repairs stay in the first.
 void reportParts(const std::vector<SourcePart>& parts, Report& report) {
   Report::Part whole = std::move(report.parts.front());
@@ -84,7 +109,8 @@ DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, i
                               const Progress& progress, Report& report) {
   const SourcePart whole = std::move(model.parts.front());
   SkinParts divided = divideSkin(model, whole, frame, *whole.grid, threads, progress);
-  DividedSkin out{std::move(divided.fits), std::move(divided.sockets), infoOf(divided.parts, model.outer)};
+  DividedSkin out{std::move(divided.fits), std::move(divided.sockets), infoOf(divided.parts, model.outer),
+                  jointsOf(whole, divided, report)};
   std::ranges::move(divided.notices, std::back_inserter(report.notices));
   model.parts.clear();
   for (SkinPart& its : divided.parts) {

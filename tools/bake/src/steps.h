@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kelp/bake/bake.h"
+#include "kelp/formats/raw_pack.h"
 #include "kelp/import/core/frame.h"
 #include "kelp/import/core/memory_estimate.h"
 #include "kelp/import/core/source_model.h"
@@ -34,6 +35,7 @@ struct DividedSkin {
   std::vector<SkinFit> fits;       // how well the new parts follow the skin, for each clip
   std::vector<SocketFit> sockets;  // and their sockets
   std::string info;                // JSON: what a pack says of its parts, INFO's "skin"
+  std::vector<RawJoint> joints;    // none where one of them cannot be stored
 };
 
 // ToolError kInvalid if the rig asks for parts that the skin cannot have.

@@ -87,12 +87,9 @@ RigDescription rigOf(const Divided& divided, std::size_t part) {
   return rig;
 }
 
-std::vector<std::string> jointsOf(const SkinLabels& labels, std::size_t part,
-                                  const std::vector<std::string>& names) {
-  if (labels.chains[part].joints.empty()) return {names[labels.joints[part]]};
-  std::vector<std::string> its;
-  for (const std::uint32_t joint : labels.chains[part].joints) its.push_back(names[joint]);
-  return its;
+std::vector<std::uint32_t> jointsOf(const SkinLabels& labels, std::size_t part) {
+  const std::vector<std::uint32_t>& chain = labels.chains[part].joints;
+  return chain.empty() ? std::vector<std::uint32_t>{labels.joints[part]} : chain;
 }
 
 // True if a swept part folds within a clip. Adds its chain to `stiff`.
@@ -238,6 +235,7 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
   keepStillClips(divided.clips);
   report(0.9);
   const std::vector<std::string> names = jointNames(skin);
+  out.parts_of_joints.resize(skin.joints.size());
   for (std::size_t p = 0; p < divided.labels.joints.size(); ++p) {
     SkinPart& its = out.parts.emplace_back();
     its.name = divided.tree.names[p];
@@ -245,7 +243,10 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
     its.pivot = glm::dvec3(space.to_soup * glm::dvec4(divided.tree.pivots[p], 1));
     its.rig = rigOf(divided, p);
     its.fit = worst[p];
-    its.joints = jointsOf(divided.labels, p, names);
+    for (const std::uint32_t joint : jointsOf(divided.labels, p)) {
+      its.joints.push_back(names[joint]);
+      out.parts_of_joints[joint].push_back(static_cast<std::uint32_t>(p));
+    }
     its.swept = divided.tree.sweeps[p].has_value();
   }
 

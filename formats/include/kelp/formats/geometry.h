@@ -46,6 +46,10 @@ struct Box {
   }
 };
 
+// True if all numbers are finite and the matrix has an inverse: its determinant, in double precision, is not
+// 0.
+bool isInvertible(const glm::mat4x3& m);
+
 // The bounds of the eight transformed corners of `box`. Empty for an empty box.
 Box transformed(const glm::mat4& matrix, const Box& box);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The content of a pack besides voxels: parts, palette, rigs, clips, sockets. The reader returns these as
-// views into memory that the Pack owns.
+// The content of a pack besides voxels: parts, palette, rigs, clips, sockets, joints. The reader returns
+// these as views into memory that the Pack owns.
 #pragma once
 
 #include <cstddef>
@@ -85,6 +85,19 @@ struct Socket {
   float at = 0;                    // place along the axis, 0 to 1
   glm::vec2 offset{0};             // across the axis, from the middle line: part x and z, heights of the part
   glm::quat rotation{1, 0, 0, 0};  // unit
+};
+
+// A joint of the skin that the parts were made of, for hosts that move its skeleton themselves. Parents come
+// first. Names are the source's and need not be unique. Joint space has the source's axes and units. With a
+// matrix M from joint space to the object, what follows the joint alone goes from x in the object at rest to
+// M * inverse_bind * x; what follows several, to the weighted sum of these.
+struct Joint {
+  std::string_view name;
+  int parent = -1;              // an earlier joint; -1: none
+  glm::mat4x3 inverse_bind{1};  // object at rest -> joint space
+  // The parts made to move as it does, alone or with other joints (as a swept part with those of its chain);
+  // ascending.
+  std::span<const std::uint32_t> parts;
 };
 
 // The target of a wave or track of a clip. Values are multiplied by a weight and added to the rest rig, so

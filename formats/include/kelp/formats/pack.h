@@ -17,7 +17,7 @@
 namespace kelp {
 
 inline constexpr std::uint16_t kFormatMajor = 1;
-inline constexpr std::uint16_t kFormatMinor = 1;
+inline constexpr std::uint16_t kFormatMinor = 2;
 
 // Bounds on a pack; kLimit beyond. PackLimits and file size together bound the memory that the reader
 // takes:
@@ -62,6 +62,7 @@ class Pack {
   std::span<const Material> palette() const;  // 1 to 256
   std::span<const Clip> clips() const;
   std::span<const Socket> sockets() const;
+  std::span<const Joint> joints() const;  // of the skin that the parts were made of
 
   // Reads, checks and decodes the grid of a level. kMisuse for a part or level that does not exist.
   Result<LevelGrid> readGrid(int part, int level) const;

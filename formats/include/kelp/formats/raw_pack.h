@@ -87,12 +87,20 @@ struct RawSocket {  // as Socket
   glm::quat rotation{1, 0, 0, 0};
 };
 
+struct RawJoint {  // as Joint
+  std::string name;
+  int parent = -1;
+  glm::mat4x3 inverse_bind{1};
+  std::vector<std::uint32_t> parts;
+};
+
 struct RawPack {
   std::string info_json;
   std::vector<Material> palette;
   std::vector<RawPart> parts;
   std::vector<RawClip> clips;
   std::vector<RawSocket> sockets;
+  std::vector<RawJoint> joints;
 };
 
 // Receives the bytes of the file in order. An error of `write` stops the writer, which returns it.

@@ -93,6 +93,8 @@ Result<glm::mat4> frameAt(const Instance& instance, int part, const glm::vec3& r
 // Index of the first part of that name. kMisuse: there is none; the text lists the names that there are, and
 // is valid as long as the asset.
 Result<int> findPart(const Asset& asset, std::string_view name);
+// Index of the first joint of that name in asset.pack().joints(). kMisuse: as findPart().
+Result<int> findJoint(const Asset& asset, std::string_view name);
 // Index of the first socket of that name; of one part, if `part` is given. kMisuse: there is none; the text
 // lists the names that there are, and is valid as long as the asset.
 Result<int> findSocket(const Asset& asset, std::string_view name, int part = -1);

@@ -34,6 +34,7 @@ struct RandomPackOptions {
   int max_levels = 4;
   int clips = 2;
   int sockets = 2;
+  int joints = 2;
 };
 
 class RandomPack {
@@ -54,6 +55,7 @@ class RandomPack {
     for (int i = 0; i < options_.parts; ++i) pack.parts.push_back(makePart(i, pack.palette.size()));
     for (int i = 0; i < options_.clips; ++i) pack.clips.push_back(makeClip(i, pack.parts));
     for (int i = 0; i < options_.sockets; ++i) pack.sockets.push_back(makeSocket(i, options_.parts));
+    for (int i = 0; i < options_.joints; ++i) pack.joints.push_back(makeJoint(i, options_.parts));
     return pack;
   }
 
@@ -255,6 +257,18 @@ class RandomPack {
     const float half = 3 * unit();
     socket.rotation = glm::quat(std::cos(half), 0.6f * std::sin(half), 0, 0.8f * std::sin(half));
     return socket;
+  }
+
+  RawJoint makeJoint(int index, int parts) {
+    RawJoint joint;
+    joint.name = "joint \xc3\xa9 " + std::to_string(index / 2);
+    joint.parent = between(-1, index - 1);
+    joint.inverse_bind[0] = {0.01f + unit(), unit(), unit()};
+    joint.inverse_bind[1].z = 2 * unit();
+    joint.inverse_bind[3] = vector(9);
+    for (int part = 0; part < parts; ++part)
+      if (unit() < 0.5f) joint.parts.push_back(static_cast<std::uint32_t>(part));
+    return joint;
   }
 
   std::mt19937 random_;

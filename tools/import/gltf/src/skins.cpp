@@ -280,6 +280,7 @@ SourceSkin GltfSkins::take(const glm::dmat4& space, const std::vector<GltfAnimat
     list.push_back(a);
   }
   for (const std::string& name : names) addClip(name, by_name[name], animations, reaches);
+  for (std::size_t j = 0; j < nodes_.size(); ++j) skin_.joints[j].inverse_bind = from_world_[j] * space;
   if (space == glm::dmat4(1)) return std::move(skin_);
   const glm::dmat4 back = glm::inverse(space);
   for (SourceSkin::Socket& socket : skin_.sockets) socket.place = back * socket.place;

@@ -66,6 +66,7 @@ DiffReport compare(PackFile& file_a, PackFile& file_b, double share) {
   }
   diffClips(a, b, pairs, tolerance, out);
   diffSockets(a, b, pairs, tolerance, out);
+  diffJoints(a, b, pairs, tolerance, out);
   return report;
 }
 

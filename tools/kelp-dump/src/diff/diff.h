@@ -78,6 +78,8 @@ void diffClips(const Pack& a, const Pack& b, const PartPairs& pairs, const Toler
                std::vector<Difference>& out);
 void diffSockets(const Pack& a, const Pack& b, const PartPairs& pairs, const Tolerance& tolerance,
                  std::vector<Difference>& out);
+void diffJoints(const Pack& a, const Pack& b, const PartPairs& pairs, const Tolerance& tolerance,
+                std::vector<Difference>& out);
 
 // Compares a level of two parts of the same size and kind. Holds only the grid and a page of each in memory.
 void diffVoxels(PackFile& a, PackFile& b, int part_a, int part_b, int level, const PaletteDistances& palette,

@@ -84,13 +84,23 @@ Json socketJson(const Socket& socket) {
           {"rotation", Json::array({q.x, q.y, q.z, q.w})}};
 }
 
+Json jointJson(const Joint& joint) {
+  Json matrix = Json::array();
+  for (int column = 0; column < 4; ++column) matrix.push_back(array3(joint.inverse_bind[column]));
+  return {{"name", joint.name},
+          {"parent", joint.parent >= 0 ? Json(joint.parent) : Json(nullptr)},
+          {"inverse_bind", matrix},
+          {"parts", std::vector<std::uint32_t>(joint.parts.begin(), joint.parts.end())}};
+}
+
 }  // namespace
 
 std::string infoJson(const Summary& summary) {
   const Pack& pack = *summary.pack;
   Json parts = Json::array(), clips = Json::array(), palette = Json::array(), chunks = Json::array(),
-       sockets = Json::array();
+       sockets = Json::array(), joints = Json::array();
   for (const Socket& socket : pack.sockets()) sockets.push_back(socketJson(socket));
+  for (const Joint& joint : pack.joints()) joints.push_back(jointJson(joint));
   for (const PartSummary& part : summary.parts) parts.push_back(partJson(part));
   for (const Clip& clip : pack.clips()) clips.push_back(clipJson(clip));
   for (std::size_t i = 0; i < pack.palette().size(); ++i) {
@@ -118,6 +128,7 @@ std::string infoJson(const Summary& summary) {
                {"parts", parts},
                {"clips", clips},
                {"sockets", sockets},
+               {"joints", joints},
                {"palette", palette},
                {"chunks", chunks}};
   if (const std::optional<std::uint64_t> decoded = summary.rawBytes()) json["decoded_bytes"] = *decoded;

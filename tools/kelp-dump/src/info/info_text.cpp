@@ -236,6 +236,17 @@ std::string bytesTable(const Summary& summary) {
   return text + (summary.counted ? "\n" : "; --count reads them and says more\n");
 }
 
+std::string jointText(const Pack& pack, const Joint& joint) {
+  const std::string name = nameText(joint.name, 40);
+  std::string text;
+  if (joint.parent >= 0)
+    text += " below " + nameText(pack.joints()[static_cast<std::size_t>(joint.parent)].name, 40);
+  for (std::size_t i = 0; i < joint.parts.size() && i < kMostParts; ++i)
+    text += (i == 0 ? " moves " : ", ") + nameText(pack.parts()[joint.parts[i]].name, 40);
+  if (joint.parts.size() > kMostParts) text += ", ...";
+  return "  " + (text.empty() ? name : padRight(name, 16) + text) + "\n";
+}
+
 }  // namespace
 
 std::string infoText(const Summary& summary) {
@@ -263,6 +274,10 @@ std::string infoText(const Summary& summary) {
                         nameText(pack.parts()[socket.part].name, 40));
   }
   text += more(pack.sockets().size(), kMostClips, "sockets");
+  if (!pack.joints().empty()) text += "joints\n";
+  for (std::size_t i = 0; i < pack.joints().size() && i < kMostClips; ++i)
+    text += jointText(pack, pack.joints()[i]);
+  text += more(pack.joints().size(), kMostClips, "joints");
   text += paletteText(summary);
   text += bytesTable(summary);
   return text;

@@ -93,6 +93,7 @@ typedef struct kelp_asset_info {
   uint32_t sockets;
   kelp_bool has_distances;    // the pack has some
   kelp_bool loads_distances;  // and the asset loads them
+  uint32_t joints;
 } kelp_asset_info;
 KELP_API kelp_result kelp_asset_get_info(kelp_asset asset, kelp_asset_info* info);
 
@@ -203,6 +204,22 @@ KELP_API kelp_result kelp_asset_get_socket(kelp_asset asset, int32_t socket, kel
 // none; the error's text lists the names.
 KELP_API kelp_result kelp_asset_find_socket(kelp_asset asset, const char* name, int32_t part,
                                             int32_t* socket);
+
+// A joint of the skin that the parts were made of, for hosts that move its skeleton themselves. Parents come
+// first. With a matrix M from joint space to meters, what follows the joint alone goes from x at rest to
+// M * inverse_bind * x; what follows several, to the weighted sum of these. Pointers are valid as long as the
+// asset.
+typedef struct kelp_joint {
+  uint32_t struct_size;
+  int32_t parent;          // an earlier joint, or KELP_NONE
+  kelp_text name;          // the source's; need not be unique
+  float inverse_bind[16];  // meters, at rest -> joint space, whose axes and units are the source's
+  uint32_t part_count;
+  const int32_t* parts;  // ascending: those made to move as the joint does, alone or with others
+} kelp_joint;
+KELP_API kelp_result kelp_asset_get_joint(kelp_asset asset, int32_t joint, kelp_joint* out);
+// The first joint of that name. KELP_ERROR_MISUSE: there is none; the error's text lists the names.
+KELP_API kelp_result kelp_asset_find_joint(kelp_asset asset, const char* name, int32_t* joint);
 
 // The finest level of the part that is wholly in memory and not finer than `wanted`; if there is none, the
 // coarsest of the finer ones; KELP_NONE: none yet. KELP_ERROR_MISUSE: no such part.

@@ -3,6 +3,7 @@
 // rigid; some are swept along chains of joints.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -43,7 +44,9 @@ struct SocketFit {
 };
 
 struct SkinParts {
-  std::vector<SkinPart> parts;       // at least one
+  std::vector<SkinPart> parts;  // at least one
+  // Of each joint of the skin: the parts that have it among their joints; ascending.
+  std::vector<std::vector<std::uint32_t>> parts_of_joints;
   std::vector<SkinFit> fits;         // of each clip
   std::vector<SocketFit> sockets;    // of each of the skin's
   std::vector<std::string> notices;  // where the parts are not as the rig asks

@@ -84,8 +84,9 @@ struct TriangleSoup {
 struct SourceSkin {
   struct Joint {
     std::string name;
-    int parent = -1;       // an earlier joint, -1: none
-    glm::dvec3 origin{0};  // in the bind pose, in the soup's space
+    int parent = -1;             // an earlier joint, -1: none
+    glm::dvec3 origin{0};        // in the bind pose, in the soup's space
+    glm::dmat4 inverse_bind{1};  // the soup's space in the bind pose -> the joint's own
   };
   struct Influence {
     std::uint32_t joint = 0;
