@@ -27,7 +27,7 @@ constexpr std::uint64_t kLeastUpload = 4096;
 constexpr Error kAbandoned{ErrorCode::kMisuse, "the renderer was abandoned"};
 constexpr Error kOtherContext{ErrorCode::kMisuse,
                               "the renderer's context is not current on this thread; make the one current "
-                              "that was so in Renderer::create()"};
+                              "that was so in Renderer::create(), or abandon() the renderer if it is gone"};
 constexpr Error kIncomplete{
     ErrorCode::kMisuse, "the framebuffer to draw into is not complete; glCheckFramebufferStatus says why"};
 static_assert(kFirstHostUnit >= kTextureUnits);
@@ -389,6 +389,11 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, runti
 void Renderer::abandon() {
   impl_->abandoned = true;
   impl_->store.clear(nullptr);
+}
+
+Result<void> Renderer::checkDestroy() const {
+  const Error* const unusable = impl_->abandoned ? nullptr : impl_->unusable();
+  return unusable ? Result<void>(*unusable) : Result<void>();
 }
 
 }  // namespace kelp::gl
