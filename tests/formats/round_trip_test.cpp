@@ -8,6 +8,7 @@
 
 #include "kelp/formats/level.h"
 #include "pack_compare.h"
+#include "support/all_tests.h"
 #include "support/random_pack.h"
 #include "support/straight_knots.h"
 
@@ -19,7 +20,7 @@ using test::makeRandomPack;
 using test::writeToMemory;
 
 TEST(RoundTrip, RandomPacksComeBackExactly) {
-  for (std::uint32_t seed = 0; seed < 40; ++seed) {
+  for (std::uint32_t seed = 0; seed < static_cast<std::uint32_t>(test::shareOf(40)); ++seed) {
     const RawPack raw =
         makeRandomPack(seed, {1 + static_cast<int>(seed % 5), 60, 5, static_cast<int>(seed % 4)});
     const std::vector<std::byte> bytes = writeToMemory(raw);
