@@ -17,7 +17,7 @@
         view = kelp.View.look_at((640, 480), eye=middle + (0, 0, far), target=middle)
         kelp.write_png("plant.png", renderer.picture(view, plant))
 
-It calls libkelp.so.0 by ctypes: kelp/kelp.h says more of each function. The library is the one that the
+It calls libkelp by ctypes: kelp/kelp.h says more of each function. The library is the one that the
 variable KELP_LIBRARY names, or the one that is installed with this module, or the system's.
 
 Units. Meters, +Y up, right-handed; radians, seconds, linear colors. Knots, and what moves them, count in
@@ -51,7 +51,9 @@ import operator
 import os
 import pathlib
 import struct
+import sys
 import threading
+import warnings
 import weakref
 import zlib
 from ctypes import (CFUNCTYPE, POINTER, byref, c_char, c_char_p, c_double, c_float, c_int32, c_size_t,
@@ -436,12 +438,12 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
 def _load() -> ctypes.CDLL:
     """The library: PREFIX/lib/python3/dist-packages/kelp/__init__.py is installed with the one in PREFIX/lib,
     or in a folder there that has the name of the processor."""
-    name = "libkelp.so.0"
+    name = {"win32": "kelp.dll", "darwin": "libkelp.0.dylib"}.get(sys.platform, "libkelp.so.0")
     path = os.environ.get("KELP_LIBRARY")
     beside = pathlib.Path(__file__).resolve().parents
     tried = [path] if path else [name]
     if not path and len(beside) > 3 and beside[2].name.startswith("python3"):
-        tried = [str(found) for where in (name, "*/" + name, "../lib64/" + name)
+        tried = [str(found) for where in (name, "*/" + name, "../lib64/" + name, "../bin/" + name)
                  for found in beside[3].glob(where)] + tried
     for one in tried:  # some may be another processor's
         try:
@@ -605,9 +607,11 @@ class _Object:
         self._handle = _Handle()
         self._uses = 0
 
-    def _made(self, *kept: object) -> None:
-        """Destroys the object, and lets go of what it needs, when nothing uses it any more."""
-        self._finalizer = weakref.finalize(self, _destroy, self._kind, self._handle, kept)
+    def _made(self, kept: object = None) -> None:
+        """Destroys the object when nothing uses it any more. `kept`, callbacks and bytes that it needs, may
+        lead back to it, so the finalizer does not hold them: it runs before they go."""
+        self._kept = kept
+        self._finalizer = weakref.finalize(self, _destroy, self._kind, self._handle)
 
     def close(self) -> None:
         """Frees what it holds. Does nothing the second time. Error, Result.BUSY: a call is using it."""
@@ -623,7 +627,7 @@ class _Object:
         self.close()
 
 
-def _destroy(kind: str, handle: Any, kept: object) -> None:
+def _destroy(kind: str, handle: Any) -> None:
     getattr(_library, "kelp_%s_destroy" % kind)(handle)
 
 
@@ -1490,7 +1494,8 @@ class Renderer(_Object):
         self._be_current()
         with self._caught.raised():
             _call("renderer_create", byref(options), byref(self._handle))
-        self._finalizer = weakref.finalize(self, _destroy_renderer, self._handle, self._canvas, (find, tell))
+        self._kept = (find, tell)  # as in _made()
+        self._finalizer = weakref.finalize(self, _forget_renderer, self._handle, self._canvas)
         if self._canvas:
             self._canvas._renderers.add(self)
 
@@ -1591,17 +1596,21 @@ def _stats(stats: Any) -> Stats:
                    first_left_out_text=(stats.first_left_out_text or b"").decode())
 
 
-def _destroy_renderer(handle: Any, canvas: Optional[Canvas], kept: object) -> None:
-    """Of a renderer that nobody closed. Without its context its GL objects go with that; on another thread
-    than its own it stays."""
-    try:
-        if canvas:
-            canvas.make_current()
-        else:
-            _call("renderer_abandon", handle)
-        _call("renderer_destroy", handle)
-    except Error:
-        pass
+def _forget_renderer(handle: Any, canvas: Optional[Canvas]) -> None:
+    """Of a renderer that nobody closed. A collection must not change the thread's context, so a canvas
+    destroys it when it is current the next time; objects of a host's own context stay there."""
+    if canvas:
+        canvas._forgotten.append(handle)
+    else:
+        _abandon([handle])
+        warnings.warn("a Renderer was not closed: what it has in OpenGL stays until its context ends",
+                      ResourceWarning)
+
+
+def _abandon(renderers: Sequence[Any]) -> None:
+    for handle in renderers:
+        for function in ("use_here", "abandon", "destroy"):
+            getattr(_library, "kelp_renderer_" + function)(handle)
 
 
 # Draw data, for a graphics API of your own ----------------------------------------------------------------
@@ -1757,6 +1766,7 @@ class Canvas:
         self.width, self.height = width, height
         self._thread = threading.get_ident()
         self._renderers: weakref.WeakSet[Renderer] = weakref.WeakSet()
+        self._forgotten: list[Any] = []  # handles of renderers that nobody closed
         try:
             self._egl = ctypes.CDLL("libEGL.so.1")
         except OSError as error:
@@ -1765,7 +1775,8 @@ class Canvas:
         for name, (result, parameters) in _EGL.items():
             getattr(self._egl, name).restype, getattr(self._egl, name).argtypes = result, parameters
         self._context = self._make_context()
-        self._finalizer = weakref.finalize(self, self._egl.eglDestroyContext, self._display, self._context)
+        self._finalizer = weakref.finalize(self, _destroy_canvas, self._egl.eglDestroyContext, self._display,
+                                           self._context, self._forgotten)
         self.make_current()
         self._gl = {name: CFUNCTYPE(c_uint32, *kinds)(self._address(name) or 0)
                     for name, kinds in _GL.items()}
@@ -1815,6 +1826,10 @@ class Canvas:
                 self._display, None, None, self._context):
             raise Error(Result.GRAPHICS, "the canvas cannot become current: call release() on the thread "
                                          "where it is")
+        while self._forgotten:
+            handle = self._forgotten.pop()
+            _library.kelp_renderer_use_here(handle)
+            _library.kelp_renderer_destroy(handle)
 
     def release(self) -> None:
         """Its context is no longer that of the thread, so that another one may call use_here()."""
@@ -1864,6 +1879,11 @@ class Canvas:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _destroy_canvas(destroy: Any, display: int, context: int, forgotten: list[Any]) -> None:
+    _abandon(forgotten)
+    destroy(display, context)
 
 
 def write_png(path: Union[str, os.PathLike[str]], picture: npt.ArrayLike) -> None:

@@ -19,8 +19,8 @@ def between(low, high, *keys):
 
 
 def smoothstep(low, high, x):
-    t = min(max((x - low) / (high - low), 0.0), 1.0)
-    return t * t * (3.0 - 2.0 * t)
+    t = (x - low) / (high - low)
+    return 0.0 if t <= 0.0 else 1.0 if t >= 1.0 else t * t * (3.0 - 2.0 * t)
 
 
 # One random permutation and one random value for each of 256 lattice points: noise repeats every 256 units,
@@ -81,8 +81,9 @@ def srgb(hex_color):
 
 
 def mix(a, b, t):
-    t = min(max(t, 0.0), 1.0)
-    return tuple(p + (q - p) * t for p, q in zip(a, b))
+    t = 0.0 if t <= 0.0 else 1.0 if t >= 1.0 else t
+    (r, g, b), (to_r, to_g, to_b) = a, b
+    return (r + (to_r - r) * t, g + (to_g - g) * t, b + (to_b - b) * t)
 
 
 def shade(color, factor):

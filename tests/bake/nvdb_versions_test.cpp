@@ -11,6 +11,7 @@
 #include "import_scratch.h"
 #include "nvdb_peer.h"
 #include "same_part.h"
+#include "support/all_tests.h"
 #include "vdb_peer.h"
 
 namespace kelp::bake::test {
@@ -204,11 +205,14 @@ TEST(NvdbVersions, EveryVersionFormAndCodec) {
       {version(32, 8), "NanoVDB1", false, Tail::kNone},
       {version(32, 9, 2), "NanoVDB1", false, Tail::kPieces},
   };
+  constexpr bool sanitized = kelp::test::kSanitized;
   for (const Habit& habit : habits) {
     SCOPED_TRACE(std::to_string(habit.version >> 10 & 2047) + " " +
                  std::to_string(static_cast<int>(habit.tail)));
     const bool is_old = habit.grid_magic == "NanoVDB0";
-    for (const Codec codec : {Codec::kNone, Codec::kZip, Codec::kBlosc})
+    const Codec codecs[] = {Codec::kNone, Codec::kZip, Codec::kBlosc};
+    const auto number = static_cast<std::size_t>(&habit - habits);
+    for (const Codec codec : std::span(codecs).subspan(sanitized ? number % 3 : 0, sanitized ? 1 : 3))
       expectSame(scratch.write("other.nvdb", fileOf(library, habit, is_old ? "NanoVDB0" : "NanoVDB2", codec)),
                  vdb);
     if (habit.version >= version(32, 6)) expectSame(scratch.write("raw.nvdb", rawOf(library, habit)), vdb);

@@ -9,6 +9,9 @@ import subprocess
 import sys
 import threading
 import unittest
+import unittest.mock
+import warnings
+import weakref
 
 try:
     import kelp
@@ -153,6 +156,56 @@ class Closed(BadInput):
         renderer.add(kelp.Asset(PACK))
         gc.collect()
         self.assertGreater(renderer.upload(1 << 20).gpu_bytes, 0)
+
+    def test_callbacks_lead_back(self):
+        """A log that holds its renderer, and a source that holds its asset, do not keep them."""
+        with open(PACK, "rb") as file:
+            data = file.read()
+
+        class Holder:
+            size = len(data)
+
+            def read(self, offset, count):
+                return data[offset:offset + count]
+
+            def log(self, text):
+                pass
+
+        holder = Holder()
+        holder.renderer = kelp.Renderer(self.canvas(), log=holder.log)
+        holder.asset = kelp.Asset(holder)
+        gone = weakref.ref(holder)
+        del holder
+        gc.collect()
+        self.assertIsNone(gone())
+
+    def test_collection_changes_no_context(self):
+        first, second = self.canvas(), self.canvas()
+        is_texture = kelp.CFUNCTYPE(kelp.ctypes.c_uint8, kelp.c_uint32)(first._address("glIsTexture"))
+
+        def textures():
+            first.make_current()
+            return sum(is_texture(name) for name in range(1, 100))
+
+        none = textures()
+        forgotten, own = kelp.Renderer(first), kelp.Renderer(first._address)
+        self.assertGreater(textures(), none)
+        own.close()
+        some = textures()
+        second.make_current()
+        del forgotten
+        gc.collect()
+        self.assertEqual(second._context, second._egl.eglGetCurrentContext())
+        self.assertGreater(some, none)
+        self.assertEqual(none, textures())
+        own = kelp.Renderer(first._address)
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
+            second.make_current()
+            del own
+            gc.collect()
+        self.assertEqual([ResourceWarning], [one.category for one in warned])
+        self.assertEqual(second._context, second._egl.eglGetCurrentContext())
 
     def test_nobody_closes(self):
         """A program that ends, or forgets its objects, without a close()."""
@@ -405,6 +458,16 @@ class Arguments(BadInput):
         self.fails(kelp.Error, "sway", self.asset.find_clip, "nothing")
         self.assertIsNone(kelp.raycast(self.plant, (float("nan"), 0, 0), (1, 0, 0)))
 
+    def test_libraries(self):
+        """The names that the library has on each system."""
+        for system, name in (("linux", "libkelp.so.0"), ("darwin", "libkelp.0.dylib"), ("win32", "kelp.dll")):
+            with unittest.mock.patch.object(sys, "platform", system), \
+                    unittest.mock.patch.dict("os.environ"), \
+                    unittest.mock.patch.object(kelp.ctypes, "CDLL", side_effect=OSError("absent")) as opened:
+                kelp.os.environ.pop("KELP_LIBRARY")
+                self.fails(ImportError, "KELP_LIBRARY", kelp._load)
+            self.assertEqual(name, opened.call_args.args[0])
+
     def test_packs(self):
         self.code(kelp.Result.IO, kelp.Asset, PACK + ".absent")
         self.code(kelp.Result.NOT_A_PACK, kelp.Asset, __file__)
@@ -423,9 +486,12 @@ class Arguments(BadInput):
         own.upload(0)
         first.make_current()
         self.code(kelp.Result.MISUSE, own.upload, 0)
+        self.code(kelp.Result.MISUSE, own.close)
         second.make_current()
         renderer.upload(0)
+        self.code(kelp.Result.MISUSE, own.close)
         second.make_current()
+        own.upload(0)
         own.close()
 
     def test_drawing(self):

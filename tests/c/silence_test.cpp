@@ -64,15 +64,33 @@ TEST_P(CSilence, StatsContextsAndClampedPoses) {
     EXPECT_KELP(KELP_ERROR_WRONG_THREAD, draw());
     ASSERT_KELP(kelp_renderer_use_here(renderer));
     EXPECT_KELP(KELP_ERROR_MISUSE, draw());  // no context is current on this thread
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_renderer_destroy(renderer));
   }).join();
   ASSERT_KELP(kelp_renderer_use_here(renderer));
   {
     const EglContext other(GetParam());
     EXPECT_KELP(KELP_ERROR_MISUSE, draw());
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_renderer_destroy(renderer));
   }
   ASSERT_TRUE(context_->makeCurrent());
   EXPECT_KELP(KELP_OK, draw());
+  // A destroyed renderer leaves none of its textures behind.
+  const auto textures = [] {
+    int count = 0;
+    for (GLuint name = 1; name < 1024; ++name) count += glIsTexture(name);
+    return count;
+  };
+  EXPECT_GT(textures(), 0);
   EXPECT_KELP(KELP_OK, kelp_renderer_destroy(renderer));
+  EXPECT_EQ(textures(), 0);
+  kelp_renderer abandoned = {};
+  ASSERT_KELP(kelp_renderer_create(&config, &abandoned));
+  {
+    const EglContext other(GetParam());
+    EXPECT_KELP(KELP_OK, kelp_renderer_abandon(abandoned));
+    EXPECT_KELP(KELP_OK, kelp_renderer_destroy(abandoned));
+  }
+  ASSERT_TRUE(context_->makeCurrent());
   EXPECT_KELP(KELP_OK, kelp_pose_destroy(instance.pose));
   EXPECT_KELP(KELP_OK, kelp_asset_destroy(asset));
 }

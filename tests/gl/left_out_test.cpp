@@ -117,9 +117,13 @@ TEST_P(LeftOutTest, ABadPartLeavesOutThePartsOfTheOtherKind) {
   const LoadedAsset loaded(pack);
   const auto renderer = makeRenderer(*loaded.asset, nullptr, logged());
   const gl::View view = lookAt(canvas, {0, 0.6f, 4}, {0, 0.5f, 0});
-  for (const int bad : {-1, 0, 1}) {
+  // The knots of either part, the motion of either part.
+  for (const int bad : {-1, 0, 1, 2, 3}) {
+    SCOPED_TRACE(bad);
     Pose pose = Pose::create(*loaded.asset).value();
-    if (bad >= 0) {
+    if (bad >= 2) {
+      pose.motion(bad - 2)->translation.x = std::nanf("");
+    } else if (bad >= 0) {
       ASSERT_TRUE(pose.move(bad, 1, {0, -2, 0}));
     }
     const Instance instance{loaded.asset.get(), &pose};

@@ -5,6 +5,7 @@
 
 #include "canvas.h"
 #include "support/edit_knots.h"
+#include "support/fake_gl.h"
 
 namespace kelp::test {
 namespace {
@@ -233,6 +234,26 @@ TEST_P(MisuseTest, ASurfaceThatDoesNotCompileIsExplained) {
   EXPECT_EQ(created.error().code, ErrorCode::kGraphics);
   EXPECT_NE(said.find("nonsense"), std::string::npos) << said;
   EXPECT_NE(said.find(":2("), std::string::npos) << "the line in the host's text: " << said;
+}
+
+// A loader may invent a function for every name that begins with "gl". GLX has no context of OpenGL ES.
+TEST(ContextOfGlx, IsNotAskedForWithOpenGlEs) {
+  static int asked;
+  FakeGl fake;
+  FakeGl::current() = &fake;
+  gl::RendererOptions config;
+  config.gpu_budget = kGpuBudget;
+  config.getProcAddress = [](void* user, const char* name) {
+    void* (*const invented)() = []() -> void* { return ++asked, nullptr; };
+    return std::string(name) == "glXGetCurrentContext" ? reinterpret_cast<void*>(invented)
+                                                       : FakeGl::getProcAddress(user, name);
+  };
+  for (const auto& [version, calls] : {std::pair{"OpenGL ES 3.0 fake", 0}, std::pair{"3.3 fake", 1}}) {
+    asked = 0;
+    fake.version = version;
+    EXPECT_TRUE(gl::Renderer::create(config));
+    EXPECT_EQ(asked, calls) << version;
+  }
 }
 
 KELP_GL_TESTS(MisuseTest);

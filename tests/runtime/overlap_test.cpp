@@ -404,7 +404,7 @@ TEST_F(ShapeQuery, LyingDistancesHangNothing) {
       test::BentInstance bent(*loaded, layers,
                               test::figureKnots(test::kFigure6[static_cast<std::size_t>(figure)]),
                               glm::mat4(1), 3);
-      for (int i = 0; i < 20; ++i) {
+      for (int i = 0; i < test::shareOf(20); ++i) {
         const glm::vec3 p = bent.anywhere(), q = bent.anywhere();
         const Result<Distance> found = distance(bent.instance, p);
         ASSERT_TRUE(found && !std::isnan(found->bound));

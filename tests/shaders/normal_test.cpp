@@ -9,6 +9,7 @@
 #include "reference/deformed_field.h"
 #include "reference/paper_cpp.h"
 #include "reference/trials.h"
+#include "support/all_tests.h"
 #include "support/poses.h"
 #include "support/traced_level.h"
 
@@ -134,7 +135,7 @@ TEST(Normals, TransformIsExactInEveryPoseOfFigure6) {
 
 TEST(Normals, TransformIsExactForRandomRigs) {
   std::vector<double> all;
-  for (unsigned seed = 0; seed < 40; ++seed) {
+  for (unsigned seed = 0; seed < static_cast<unsigned>(test::shareOf(40)); ++seed) {
     const reference::TrialRig rig = reference::randomRig(kSize, seed);
     const Spread ours = reference::spreadOf(errorsOf(rig.knots, kSize, 400, seed).ours);
     expectTight(ours, rig.name);

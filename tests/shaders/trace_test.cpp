@@ -190,7 +190,7 @@ TEST(Trace, FindsEveryHitThroughSeveralSegments) {
                                 {0.65f, {-0.2f, 0.7f, 0.1f}, {0.3f, 0, -0.6f}},
                                 {1, {0.1f, 1, 0}, {0, 1, 0}}};
   ASSERT_TRUE(checkKnots(knots));
-  expectExact(compare(scene, knots, 10000), "four knots");
+  expectExact(compare(scene, knots, test::shareOf(10000)), "four knots");
 }
 
 TEST(Trace, FindsEveryHitWhenStretchedAndSquashed) {

@@ -70,7 +70,8 @@ kelp_result kelp_renderer_create(const kelp_renderer_options* options, kelp_rend
 }
 
 kelp_result kelp_renderer_destroy(kelp_renderer renderer) {
-  if (const kelp_result bad = withRenderer(renderer, [](Renderer&) { return KELP_OK; })) return bad;
+  if (const kelp_result bad = withRenderer(renderer, [](Renderer& of) { return answer(of.checkDestroy()); }))
+    return bad;
   return destroyHandle<RendererObject>(renderer.id);
 }
 

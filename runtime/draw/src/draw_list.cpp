@@ -151,13 +151,22 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     const std::span<const Knot> knots =
         instance.pose ? instance.pose->knots(static_cast<int>(part)) : parts[part].knots;
     if (knots.size() != parts[part].knots.size()) return &kForeignPose;
+    const bool is_moving = instance.pose && moves(*instance.pose, parts, static_cast<int>(part));
+    if (is_moving && !std::exchange(is_moved, true)) {
+      if (!worlds_.grow(parts.size())) return &kNoMemoryForFrame;
+      (void)runtime::partsToWorld(instance, {worlds_.data(), parts.size()});
+    }
     if (parts[part].kind != frame.kind) {
       // An instance is drawn with all its parts, of either kind, or not at all.
       const float roll = rollOf(parts[part], instance.pose, static_cast<int>(part));
-      if (const Result<void> good =
-              instance.pose ? checkRig(parts[part].bend, knots, parts[part].size, roll) : Result<void>();
-          !good) {
-        if (const Error* const error = leaveOut(asset, index, good.error().detail)) return error;
+      const Result<void> good =
+          instance.pose ? checkRig(parts[part].bend, knots, parts[part].size, roll) : Result<void>();
+      const char* const why = !good                                   ? good.error().detail
+                              : !isAffine(instance.to_world)          ? kBadMatrix
+                              : is_moving && !isAffine(worlds_[part]) ? kBadMotion
+                                                                      : nullptr;
+      if (why) {
+        if (const Error* const error = leaveOut(asset, index, why)) return error;
       }
       continue;
     }
@@ -182,11 +191,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     posed.extents[k] = &candidate.resident->extent;
     posed.to_world[k] = &instance.to_world;
     posed.to_object[k] = &parts[part].to_object;
-    if (instance.pose && moves(*instance.pose, parts, static_cast<int>(part))) {
-      if (!std::exchange(is_moved, true)) {
-        if (!worlds_.grow(parts.size())) return &kNoMemoryForFrame;
-        (void)runtime::partsToWorld(instance, {worlds_.data(), parts.size()});
-      }
+    if (is_moving) {
       moved_[i] = worlds_[part];
       posed.to_world[k] = &moved_[i];
       posed.to_object[k] = &kSame;
@@ -198,7 +203,6 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     }
   }
   other_kind_ += !is_drawn;
-  if (!is_drawn && !isAffine(instance.to_world)) return leaveOut(asset, index, kBadMatrix);
   return nullptr;
 }
 

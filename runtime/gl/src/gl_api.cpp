@@ -41,11 +41,12 @@ void loadDebug(void* (*getProcAddress)(void* user, const char* name), void* user
     api.ObjectLabel = nullptr, api.PushDebugGroup = nullptr, api.PopDebugGroup = nullptr;
 }
 
-// Of EGL, GLX, WGL and CGL the one that this context is of. EGL first: an eglGetProcAddress may invent
-// functions whose names begin with "gl", glXGetProcAddress none that begin with "egl".
+// Of EGL, GLX, WGL and CGL the one that this context is of. A loader may invent functions whose names begin
+// with "gl", so GLX comes after EGL, and never where it does not lead to the context: with OpenGL ES.
 void findContext(void* (*getProcAddress)(void* user, const char* name), void* user, Api& api) {
   for (const char* const name :
        {"eglGetCurrentContext", "glXGetCurrentContext", "wglGetCurrentContext", "CGLGetCurrentContext"}) {
+    if (api.es && name[0] == 'g') continue;
     api.getCurrentContext = reinterpret_cast<void*(KELP_GL_CALL*)()>(getProcAddress(user, name));
     if (!api.getCurrentContext) continue;
     api.context = api.getCurrentContext();

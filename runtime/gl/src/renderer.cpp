@@ -20,7 +20,7 @@ using namespace constant;
 constexpr Error kAbandoned{ErrorCode::kMisuse, "the renderer was abandoned"};
 constexpr Error kOtherContext{ErrorCode::kMisuse,
                               "the renderer's context is not current on this thread; make the one current "
-                              "that was so in Renderer::create()"};
+                              "that was so in Renderer::create(), or abandon() the renderer if it is gone"};
 constexpr Error kIncomplete{
     ErrorCode::kMisuse, "the framebuffer to draw into is not complete; glCheckFramebufferStatus says why"};
 static_assert(kFirstHostUnit >= kTextureUnits);
@@ -301,6 +301,11 @@ void Renderer::abandon() {
 std::optional<int> levelAt(const View& view, const runtime::Instance& instance, int part,
                            const glm::ivec2& pixel) {
   return draw::levelAt(drawView(view), instance, part, pixel);
+}
+
+Result<void> Renderer::checkDestroy() const {
+  const Error* const unusable = impl_->abandoned ? nullptr : impl_->unusable();
+  return unusable ? Result<void>(*unusable) : Result<void>();
 }
 
 }  // namespace kelp::gl

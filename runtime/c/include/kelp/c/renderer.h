@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Draws instances with OpenGL 3.3 core or OpenGL ES 3.0, into the framebuffer that the host has bound. Call
 // these functions on the thread that made the renderer, with its context current. On another thread they are
-// KELP_ERROR_WRONG_THREAD, with another context or none KELP_ERROR_MISUSE, and do nothing.
+// KELP_ERROR_WRONG_THREAD, with another context or none KELP_ERROR_MISUSE, and do nothing. (abandon, remove
+// and get_trace_glsl need no context.)
 // runtime/HOST_GUIDE.md says what state changes. Include kelp/kelp.h.
 #ifndef KELP_C_RENDERER_H
 #define KELP_C_RENDERER_H
@@ -40,6 +41,8 @@ KELP_API kelp_result kelp_renderer_options_defaults(kelp_renderer_options* optio
 // KELP_ERROR_GRAPHICS: no context is current, its version is too low, a function is missing, or a shader does
 // not compile.
 KELP_API kelp_result kelp_renderer_create(const kelp_renderer_options* options, kelp_renderer* renderer);
+// KELP_ERROR_MISUSE, and nothing is destroyed: another context is current, or none. Make the renderer's own
+// current, or call kelp_renderer_abandon() before.
 KELP_API kelp_result kelp_renderer_destroy(kelp_renderer renderer);
 // Makes the calling thread the one that the renderer belongs to. Call it when you have made its context
 // current on that thread. The one function of a renderer that any thread may call.

@@ -134,6 +134,10 @@ class Renderer {
   // except the destructor is kMisuse.
   void abandon();
 
+  // kMisuse: the destructor would leave GL objects behind, because the renderer's context is not current and
+  // the renderer was not abandoned.
+  Result<void> checkDestroy() const;
+
  private:
   struct Impl;
   explicit Renderer(std::unique_ptr<Impl> impl);
