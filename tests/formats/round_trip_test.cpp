@@ -20,12 +20,8 @@ using test::makeRandomPack;
 using test::writeToMemory;
 
 TEST(RoundTrip, RandomPacksComeBackExactly) {
-<<<<<<< HEAD
-  for (std::uint32_t seed = 0; seed < 40; ++seed) {
-    const int joints = static_cast<int>(seed % 3);
-=======
   for (std::uint32_t seed = 0; seed < static_cast<std::uint32_t>(test::shareOf(40)); ++seed) {
->>>>>>> ci
+    const int joints = static_cast<int>(seed % 3);
     const RawPack raw =
         makeRandomPack(seed, {1 + static_cast<int>(seed % 5), 60, 5, static_cast<int>(seed % 4), 2, joints});
     const std::vector<std::byte> bytes = writeToMemory(raw);
