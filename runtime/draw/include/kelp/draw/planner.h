@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What a graphics API must be told to draw instances of packs, as data: bytes to copy, records, uniforms,
 // draw calls. For hosts that draw with Vulkan, Direct3D, Metal, WebGPU; kelp::gl::Renderer is made of it.
-// shaders/VULKAN.md has the programs, their bindings, and the state that each pass needs.
+// runtime/DRAW_DATA.md has the frame in ten steps; shaders/BINDINGS.md the bindings of the programs.
 #pragma once
 
 #include <cstdint>
