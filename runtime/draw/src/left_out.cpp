@@ -120,8 +120,9 @@ const Error* DrawList::boundSwept(const Frame& frame, std::size_t eight, std::si
   }
   if (swept == 0) return nullptr;
   JudgedParts judged;
-  placeParts(frame.projection, posed_[eight], placed_[eight]);
-  judgeParts(frame.projection, frame.view, frame.rays, placed_[eight], judged);
+  PlacedParts about = placed_[eight];  // a copy, because placeParts() adds to the bounds of all eight
+  placeParts(frame.projection, posed_[eight], about);
+  judgeParts(frame.projection, frame.view, frame.rays, about, judged);
   for (std::size_t k = 0; k < count; ++k) {
     if (!(swept >> k & 1)) continue;
     if (const Error* const error = listArcs(eight, k, judged.level.of[k])) return error;
