@@ -60,27 +60,27 @@ class DebugViewTest : public GlTest {
   }
   void SetUp() override {
     GlTest::SetUp();
-    if (context_ && *context_) canvas_.emplace(glm::ivec2(160, 120));
+    if (context_ && *context_) canvas_.emplace(glm::ivec2(128, 96));
   }
-  gl::View front() const { return lookAt(canvas_->size(), {0.4f, 1.9f, 5.5f}, {0, 1.7f, 0}); }
+  // All of them.
+  gl::View front() const { return lookAt(canvas_->size(), {0.4f, 2, 7}, {0, 1.8f, 0}); }
 
-  // Calls use(pixel, hit) for the pixels that the CPU and the picture agree are covered, which must be nearly
-  // all, and not at a part's edge.
+  // Calls use(pixel, hit) for every second pixel of every second row, if the CPU and the picture agree that
+  // it is covered, as they nearly always must.
   template <class Use>
   void eachHit(const gl::View& view, const FloatColors& picture, const Use& use) const {
     int covered = 0, other = 0;
-    const auto hitAt = [&](int x, int y) { return raycast(instances_, pixelRay(view, x, y)); };
-    for (int y = 0; y < canvas_->size().y; ++y) {
-      for (int x = 0; x < canvas_->size().x; ++x) {
+    for (int y = 0; y < canvas_->size().y; y += 2) {
+      for (int x = 0; x < canvas_->size().x; x += 2) {
         const glm::vec4& pixel = at(picture, {x, y});
-        const auto hit = hitAt(x, y);
+        const auto hit = raycast(instances_, pixelRay(view, x, y));
         covered += hit.has_value();
         other += hit.has_value() != (pixel.a > 0);
         if (hit && pixel.a > 0) use(pixel, *hit);
       }
     }
-    EXPECT_GT(covered, 2000);
-    EXPECT_LE(other, covered / 200);
+    EXPECT_GT(covered, 200);
+    EXPECT_LE(other, covered / 100);
   }
   const glm::vec4& at(const FloatColors& picture, const glm::ivec2& pixel) const {
     return picture[static_cast<std::size_t>(pixel.x + canvas_->size().x * pixel.y)];
@@ -117,7 +117,7 @@ TEST_P(DebugViewTest, EachPartOfEachInstanceHasAColor) {
     const auto renderer = makeRenderer(*loaded_.asset, nullptr, config);
     std::map<std::pair<int, int>, glm::vec3> colors;
     for (const gl::View& view :
-         {front(), towardsEye(front()), orthographic(canvas_->size(), {0.4f, 1.9f, 5}, {0, 1.7f, 0}, 2)}) {
+         {front(), towardsEye(front()), orthographic(canvas_->size(), {0.4f, 2, 7}, {0, 1.8f, 0}, 2.2f)}) {
       int wrong = 0, all = 0;
       gl::View up = view;  // rays of the CPU go from the near to the far plane
       if (view.camera.reversed_depth) up = front();
@@ -126,7 +126,7 @@ TEST_P(DebugViewTest, EachPartOfEachInstanceHasAColor) {
         ++all;
         wrong += glm::distance(found->second, unlit(pixel)) > 1e-4f;
       });
-      EXPECT_LE(wrong, all / 200);  // where two parts meet
+      EXPECT_LE(wrong, all / 100);  // where two parts meet
     }
     EXPECT_EQ(colors.size(), 9u);
     for (const auto& [one, color] : colors) {
@@ -144,7 +144,7 @@ TEST_P(DebugViewTest, StepsAreThoseOfTheTracingCore) {
   const LoadedAsset loaded(pack);
   const auto renderer = makeRenderer(*loaded.asset);
   const RawPart& part = pack.parts[0];
-  const gl::View view = lookAt(canvas_->size(), {0.4f, 0.9f, 2}, {0, 0.5f, 0});
+  const gl::View view = lookAt(canvas_->size(), {0.3f, 0.8f, 1.5f}, {0, 0.5f, 0});
   gl::View steps = view;
   steps.debug = gl::DebugView::kSteps;
   const Instance instance{loaded.asset.get()};
@@ -192,7 +192,7 @@ TEST_P(DebugViewTest, StepsAreThoseOfTheTracingCore) {
       ++all;
     }
   }
-  ASSERT_GT(all, 3000);
+  ASSERT_GT(all, 1000);
   // A color for each number, but for rounding; the warmer the more.
   int most = 0;
   float before = -1;
@@ -200,7 +200,7 @@ TEST_P(DebugViewTest, StepsAreThoseOfTheTracingCore) {
     const auto often = std::max_element(colors.begin(), colors.end(),
                                         [](const auto& a, const auto& b) { return a.second < b.second; });
     most += often->second;
-    if (often->second < 20 || count > 64) continue;
+    if (often->second < 5 || count > 64) continue;
     const auto& [red, green, blue] = often->first;
     const float warmth = (red - blue) / (red + green + blue);
     EXPECT_GT(warmth, before) << count;
@@ -259,7 +259,7 @@ TEST_P(DebugViewTest, LevelsAreThoseThatAreInMemory) {
 
 TEST_P(DebugViewTest, LinesOfBoundsRunAlongTheEdgesOfTheBox) {
   const auto renderer = makeRenderer(*loaded_.asset);
-  for (const gl::View& view : {front(), orthographic(canvas_->size(), {0.4f, 1.9f, 5}, {0, 1.7f, 0}, 2)}) {
+  for (const gl::View& view : {front(), orthographic(canvas_->size(), {0.4f, 2, 7}, {0, 1.8f, 0}, 2.2f)}) {
     const FloatColors plain = draw(*renderer, view, gl::DebugView::kNone);
     const std::vector<bool> lines = changes(plain, draw(*renderer, view, gl::DebugView::kBounds));
     for (const Instance& instance : instances_) {
@@ -281,7 +281,7 @@ TEST_P(DebugViewTest, LinesOfBoundsRunAlongTheEdgesOfTheBox) {
         }
       }
     }
-    EXPECT_LT(std::count(lines.begin(), lines.end(), true), 6000);
+    EXPECT_LT(std::count(lines.begin(), lines.end(), true), std::ssize(lines) / 4);
   }
 }
 
@@ -328,7 +328,7 @@ TEST_P(DebugViewTest, LinesOfSplinesAreWhereCenterLinesAre) {
         }
       }
     }
-    EXPECT_LT(std::count(lines.begin(), lines.end(), true), 3000);
+    EXPECT_LT(std::count(lines.begin(), lines.end(), true), std::ssize(lines) / 8);
   }
 }
 
@@ -411,7 +411,7 @@ TEST_P(DebugViewTest, FogHasThemToo) {
         EXPECT_EQ(plain[i].a > 0, shown[i].a > 0);
         covered += shown[i].a > 0;
       }
-      EXPECT_GT(covered, 1000);
+      EXPECT_GT(covered, 500);
       if (debug != gl::DebugView::kLevels) continue;
       for (const glm::vec4& pixel : shown) {
         if (pixel.a > 0) {
