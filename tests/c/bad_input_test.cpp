@@ -321,7 +321,9 @@ TEST_F(CBadInput, SizesOfStructs) {
   expectSizes("draw data", sized<kelp_draw_data>(), [this](kelp_draw_data* s) {
     return kelp_planner_draw(good_.planner, aView(), nullptr, 0, 0, 0, s, nullptr);
   });
-  expectSizes("view", sized<kelp_view>(), [](kelp_view* s) { return kelp_view_defaults(s); });
+  expectSizes(
+      "view", sized<kelp_view>(), [](kelp_view* s) { return kelp_view_defaults(s); },
+      offsetof(kelp_view, debug));
   constexpr std::size_t kFirst = offsetof(kelp_instance, unsound);
   expectSizes(
       "instance", sized<kelp_instance>(), [](kelp_instance* s) { return kelp_instance_defaults(s); }, kFirst);
@@ -342,7 +344,9 @@ TEST_F(CBadInput, SizesOfStructs) {
   });
   auto view = sized<kelp_view>();
   ASSERT_KELP(kelp_view_defaults(&view));
-  expectSizes("view in", view, [&](kelp_view* s) { return kelp_level_at(s, &good, 0, 0, 0, &number); });
+  expectSizes(
+      "view in", view, [&](kelp_view* s) { return kelp_level_at(s, &good, 0, 0, 0, &number); },
+      offsetof(kelp_view, debug));
 
   // Null is allowed for these: the defaults.
   auto allocator = sized<kelp_allocator>();
