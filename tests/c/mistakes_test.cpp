@@ -290,8 +290,12 @@ std::vector<Row> names() {
   return {
       {"a clip that is not in the pack",
        [=] { return listed(runtime::findClip(*Named().asset, "nothing"), "sway"); }},
-      {"a part that is not in the pack",
-       [=] { return listed(runtime::findPart(*Named().asset, "nothing"), "stem"); }},
+      {"a part or joint that is not in the pack",
+       [=] {
+         const Answers out = listed(runtime::findPart(*Named().asset, "nothing"), "stem");
+         EXPECT_EQ(answersOf(runtime::findJoint(*Named().asset, "nothing")).words, out.words);
+         return out;
+       }},
       {"a socket that is not in the pack",
        [=] { return listed(runtime::findSocket(*Named().asset, "nothing"), "tip"); }},
       {"an index of a part, knot, clip or socket that does not exist",
