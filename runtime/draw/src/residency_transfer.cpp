@@ -49,18 +49,21 @@ std::uint64_t Residency::addressOf(const Change& change) const {
 
 // Writes changed words as they are now; those of changes that meet become one copy.
 void Residency::copyChanges() {
-  const std::span<Change> changes(changes_.data(), change_count_);
-  for (Change& change : changes) change.address = addressOf(change);
+  for (Change& change : std::span(changes_.data(), change_count_)) change.address = addressOf(change);
+  const std::span<Change> changes(changes_.begin(),
+                                  std::remove_if(changes_.begin(), changes_.begin() + change_count_,
+                                                 [](const Change& change) { return change.address == 0; }));
   std::sort(changes.begin(), changes.end(),
             [](const Change& a, const Change& b) { return a.address < b.address; });
   for (std::size_t i = 0; i < changes.size();) {
     Change run = changes[i];
-    for (++i; i < changes.size() && changes[i].level == run.level &&
-              (changes[i].first == run.first ||
-               (run.first != Change::kTable && changes[i].address <= run.address + run.count));
-         ++i)
+    const auto goesOn = [&run](const Change& next) {
+      const bool is_table = run.first == Change::kTable;
+      return next.level == run.level && (next.first == Change::kTable) == is_table &&
+             (is_table || next.address <= run.address + run.count);
+    };
+    for (++i; i < changes.size() && goesOn(changes[i]); ++i)
       run.count = std::max(run.count, changes[i].first - run.first + changes[i].count);
-    if (run.address == 0) continue;
     const std::span<std::uint32_t> words = copies_.add(run.address, run.count, pool_.frame());
     const ResidentLevel& level = *run.level;
     if (run.first == Change::kTable) {
@@ -133,7 +136,7 @@ std::uint32_t Residency::makeRoom(std::uint32_t rows, float priority) {
 // Finds a place for a page or a grid, which proceed() uploads. False: there is none.
 bool Residency::begin(ResidentLevel& level, std::uint32_t page, std::uint32_t rows) {
   if (rows >= too_many_) return false;
-  const std::uint32_t row = makeRoom(rows, ofPageOrGrid(level.worth.priority(), page));
+  const std::uint32_t row = makeRoom(rows, std::min(ofPageOrGrid(level.worth.priority(), page), kPinned));
   if (row == 0 || !pool_.take({row, rows, nullptr, page})) {
     if (later_) {
       ++pending_;
@@ -144,6 +147,7 @@ bool Residency::begin(ResidentLevel& level, std::uint32_t page, std::uint32_t ro
     return false;
   }
   transfer_ = {&level, page, row, 0, pool_.lastRead(row, rows)};
+  copies_.forget(row, rows);  // of what was dropped in this call
   level.worth.gotPlace(round_);
   return true;
 }
