@@ -101,6 +101,7 @@ void Residency::remove(const runtime::Asset& asset) {
 void Residency::beginCall(std::uint64_t max_bytes) {
   copied();
   written_ = 0;
+  copied_row_ = copied_end_ = 0;
   byte_limit_ = max_bytes;
   later_ = false;
 }
@@ -226,7 +227,11 @@ Result<Residency::Progress> Residency::upload(std::uint64_t max_bytes) {
   pending_ = 0;
   coarsest_fit_ = true;
   if (transfer_.level && !(transfer_.level->worth.priority() > 0)) cancel();  // no longer wanted
-  if (transfer_.level) (void)proceed();
+  if (transfer_.level) {
+    copied_row_ = transfer_.row;
+    copied_end_ = copied_row_ + pool_.rowsOf(copied_row_);
+    (void)proceed();
+  }
   for (std::size_t i = 0; i < queued_; ++i) {
     const std::uint64_t rows_before = rows_left_;
     if (advance(*queue_[i])) continue;

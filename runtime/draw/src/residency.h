@@ -132,7 +132,9 @@ class Residency {
   std::uint64_t byte_limit_ = 0;  // of written_
   std::uint64_t rows_left_ = 0;   // of the pool, left for less urgent levels
   std::uint32_t too_many_ = ~0u;  // so many rows and more are not available
-  bool later_ = false;            // the frame's bytes were used up while making room
+  // Rows of a transfer that began in an earlier call. When it is done, something more urgent may need them.
+  std::uint32_t copied_row_ = 0, copied_end_ = 0;
+  bool later_ = false;  // the frame's bytes were used up while making room
   bool coarsest_fit_ = true;
 };
 

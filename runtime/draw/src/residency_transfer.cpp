@@ -133,7 +133,12 @@ std::uint32_t Residency::makeRoom(std::uint32_t rows, float priority) {
 // Finds a place for a page or a grid, which proceed() uploads. False: there is none.
 bool Residency::begin(ResidentLevel& level, std::uint32_t page, std::uint32_t rows) {
   if (rows >= too_many_) return false;
-  const std::uint32_t row = makeRoom(rows, ofPageOrGrid(level.worth.priority(), page));
+  std::uint32_t row = makeRoom(rows, ofPageOrGrid(level.worth.priority(), page));
+  // This call has copied there already, and copies do not overlap.
+  if (row < copied_end_ && row + rows > copied_row_) {
+    later_ = true;
+    row = 0;
+  }
   if (row == 0 || !pool_.take({row, rows, nullptr, page})) {
     if (later_) {
       ++pending_;
@@ -203,7 +208,10 @@ void Residency::finish() {
   const Transfer done = transfer_;
   if (done.page == Pool::Block::kGrid) {
     const runtime::Level& data = *level.content();
-    if (!level.page_rows.reset(data.pages.size())) return cancel();
+    if (!level.page_rows.reset(data.pages.size())) {
+      later_ = true;  // this call has copied to these rows
+      return cancel();
+    }
     level.all_rows = 0;
     for (std::uint32_t page = 0; page < data.pages.size(); ++page) level.all_rows += rowsOfPage(data, page);
     if (level.id.distances) level.band = data.band.outside;
