@@ -26,7 +26,7 @@ class Copies {
     used_ += words;
     return words_.span().subspan(used_ - words, words);
   }
-  // Leaves out what goes to these rows of the pool, but for words of its own.
+  // Leaves out what goes to these rows of the pool; of words of its own, after all() alone.
   void forget(std::uint32_t row, std::uint32_t rows);
   bool empty() const { return count_ == 0; }
   std::span<const Copy> all();

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kHeadTexels = sizeof(RecordHead) / sizeof(glm::uvec4);  // of a record
 
-constexpr Error kUnknownAsset{ErrorCode::kMisuse, "an instance's asset was not added to the renderer"};
+constexpr Error kUnknownAsset{ErrorCode::kMisuse, "an instance's asset was not added"};
 constexpr Error kGoneAsset{ErrorCode::kMisuse, "an instance's asset was destroyed"};
 constexpr Error kForeignPose{ErrorCode::kMisuse, "an instance's pose belongs to another asset"};
 constexpr Error kForeignPalette{

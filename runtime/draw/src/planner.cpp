@@ -15,7 +15,8 @@ namespace kelp::draw {
 namespace {
 
 constexpr std::uint64_t kLeastUpload = 4096;
-constexpr Error kNoMemoryForPlanner{ErrorCode::kOutOfMemory, "no memory for the renderer"};
+constexpr Error kNoMemoryForPlanner{ErrorCode::kOutOfMemory, "no memory to plan what is drawn"};
+constexpr Error kUnmade{ErrorCode::kMisuse, "copies() of the call before were not made; make them, then call copied()"};
 
 Uniforms uniformsOf(const View& view, Pass pass, Depth depth) {
   const Quality& quality = view.quality;
@@ -146,7 +147,10 @@ Result<std::unique_ptr<Planner>> Planner::create(const PlannerOptions& options) 
   return planner;
 }
 
-Result<void> Planner::add(const runtime::Asset& asset) { return impl_->store.add(asset); }
+Result<void> Planner::add(const runtime::Asset& asset) {
+  if (!copies().empty()) return kUnmade;
+  return impl_->store.add(asset);
+}
 void Planner::remove(const runtime::Asset& asset) { impl_->store.remove(asset); }
 
 std::uint32_t Planner::programs(const runtime::Asset& asset) const {
@@ -167,6 +171,7 @@ std::uint32_t Planner::programs(const runtime::Asset& asset) const {
 }
 
 Result<Stats> Planner::upload(std::uint64_t max_bytes) {
+  if (!copies().empty()) return kUnmade;
   if (max_bytes > 0 && max_bytes < kLeastUpload)
     return Error{ErrorCode::kMisuse,
                  "max_bytes is below 4096, and an upload might never end; 0 uploads nothing"};
@@ -174,7 +179,7 @@ Result<Stats> Planner::upload(std::uint64_t max_bytes) {
   if (!progress) return progress.error();
   if (!progress->coarsest_fit)
     return Error{ErrorCode::kLimit,
-                 "gpu_budget is too small for the coarsest levels of all assets: some are not drawn"};
+                 "the pool (gpu_budget) is too small for the coarsest levels of all assets: some are not drawn"};
   Stats stats = impl_->stats();
   stats.bytes_uploaded = progress->bytes;
   return stats;

@@ -14,8 +14,9 @@ constexpr std::uint64_t kMostRows = (std::uint64_t{1} << 22) - 1;  // an address
 }
 
 Result<void> Pool::create(std::uint64_t bytes) {
-  if (bytes < kLeast || bytes / kRowBytes > kMostRows)
-    return Error{ErrorCode::kMisuse, "the pool has less than 256 KiB, or 16 GiB and more"};
+  if (bytes < kLeast || bytes / kRowBytes > kMostRows || bytes % kRowBytes > 0)
+    return Error{ErrorCode::kMisuse,
+                 "the pool has less than 256 KiB, 16 GiB and more, or not whole blocks of 4 KiB"};
   rows_ = static_cast<std::uint32_t>(bytes / kRowBytes);
   if (!read_.reset(rows_) || !take({0, 1, nullptr, Block::kGrid}))
     return Error{ErrorCode::kOutOfMemory, "no memory to keep account of the pool"};

@@ -49,17 +49,20 @@ Result<void> Residency::add(const runtime::Asset& asset) {
   if (!assets_.grow(count_ + 1)) return kNoMemory;
   const std::uint32_t rows = Pool::rowsFor(tables.size());
   beginCall(~std::uint64_t{0});
+  if (!copies_.reserve(1, tables.size())) return kNoMemory;
   const std::uint32_t row = makeRoom(rows, kPinned);
   copyChanges();
+  if (row == 0 && later_) return kNoMemory;
   if (row == 0)
     return Error{ErrorCode::kLimit,
-                 "gpu_budget has no room left beside the coarsest levels of the other assets"};
+                 "the pool (gpu_budget) has no room left beside the coarsest levels of the other assets"};
   if (!copies_.reserve(1, tables.size()) || !pool_.take({row, rows, nullptr, Pool::Block::kGrid}))
     return kNoMemory;
   fresh->tables_row = row;
   const std::span<std::uint32_t> words =
       copies_.add(std::uint64_t{row} * Pool::kRowWords, tables.size(), pool_.lastRead(row, rows));
   std::copy(tables.begin(), tables.end(), words.begin());
+  (void)copies_.all();
 
   const std::size_t place = lowerBound(&asset);
   fresh->number = ++last_number_;
@@ -74,13 +77,19 @@ Result<void> Residency::add(const runtime::Asset& asset) {
 // Gives back all that the asset holds.
 void Residency::forget(ResidentAsset& asset) {
   if (transfer_.level && transfer_.level->asset == &asset) cancel();
-  pool_.giveBackIf(
-      [&asset](const Pool::Block& block) { return block.level && block.level->asset == &asset; });
+  pool_.giveBackIf([this, &asset](const Pool::Block& block) {
+    const bool goes = block.level && block.level->asset == &asset;
+    if (goes) copies_.forget(block.row, block.rows);
+    return goes;
+  });
   for (ResidentLevel* level : asset.levels) {
     level->grid_row = 0;
     level->resident = 0;
   }
-  if (asset.tables_row != 0) pool_.giveBack(asset.tables_row);
+  if (asset.tables_row != 0) {
+    copies_.forget(asset.tables_row, pool_.rowsOf(asset.tables_row));
+    pool_.giveBack(asset.tables_row);
+  }
   asset.tables_row = 0;
   for (ResidentPart& part : asset.parts) part.finest = part.levels;
 }
@@ -89,28 +98,39 @@ void Residency::remove(const runtime::Asset& asset) {
   const int index = find(&asset);
   if (index < 0) return;
   const auto place = static_cast<std::size_t>(index);
-  copied();
   const std::unique_ptr<ResidentAsset> gone(assets_[place]);
+  unpin(gone.get());
   forget(*gone);
   std::copy(assets_.begin() + place + 1, assets_.begin() + count_, assets_.begin() + place);
   pending_ -= gone->added;
   if (--count_ == 0) pending_ = 0;
 }
 
-// Forgets the copies of the call before.
+// Forgets the copies of the call before, and what assets held that are gone.
 void Residency::beginCall(std::uint64_t max_bytes) {
   copied();
+  for (ResidentAsset* asset : std::span(assets_.data(), count_)) {
+    if (!asset->watch.alive()) forget(*asset);
+  }
   written_ = 0;
   byte_limit_ = max_bytes;
   later_ = false;
 }
 
 void Residency::copied() {
-  for (const Pin& pin : std::span(pins_.data(), pin_count_)) {
-    if (pin.asset->watch.alive()) PageAccess::unpin(pin.pin);
-  }
-  pin_count_ = 0;
+  unpin(nullptr);
   copies_.clear();
+}
+
+// Lets go of the pages of an asset, or (null) of all.
+void Residency::unpin(const ResidentAsset* asset) {
+  const auto goes = [asset](const Pin& pin) {
+    if (asset && pin.asset != asset) return false;
+    if (pin.asset->watch.alive()) PageAccess::unpin(pin.pin);
+    return true;
+  };
+  pin_count_ = static_cast<std::size_t>(std::remove_if(pins_.begin(), pins_.begin() + pin_count_, goes) -
+                                        pins_.begin());
 }
 
 void Residency::beginWants() {
@@ -209,11 +229,7 @@ Result<Residency::Progress> Residency::upload(std::uint64_t max_bytes) {
   beginCall(max_bytes);
   for (ResidentAsset* asset : std::span(assets_.data(), count_)) {
     asset->added = 0;
-    if (asset->watch.alive()) {
-      PageAccess::beginRequests(*asset->asset);
-    } else {
-      forget(*asset);
-    }
+    if (asset->watch.alive()) PageAccess::beginRequests(*asset->asset);
   }
   wants_read_ = true;
   uploaded_ = uploaded_ || max_bytes > 0;

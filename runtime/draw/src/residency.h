@@ -88,6 +88,7 @@ class Residency {
     void* pin;
   };
   void beginCall(std::uint64_t max_bytes);
+  void unpin(const ResidentAsset* asset);
   Result<void> prioritize();
   bool advance(ResidentLevel& level);
   bool begin(ResidentLevel& level, std::uint32_t page, std::uint32_t rows);

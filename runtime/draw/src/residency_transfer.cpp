@@ -153,6 +153,7 @@ bool Residency::begin(ResidentLevel& level, std::uint32_t page, std::uint32_t ro
 }
 
 void Residency::cancel() {
+  copies_.forget(transfer_.row, pool_.rowsOf(transfer_.row));
   pool_.giveBack(transfer_.row);
   transfer_ = {};
 }

@@ -20,7 +20,8 @@ namespace kelp::draw {
 
 struct PlannerOptions {
   // Size of the pool: the buffer of the host's that holds all voxels. Whole blocks of 4 KiB; at least 256
-  // KiB, less than 16 GiB. If the scene needs more, the parts worth the fewest pixels are drawn coarser.
+  // KiB, less than 16 GiB, and no more than a storage buffer of the host's API may have (of Vulkan and WebGPU
+  // 128 MiB is sure; HLSL by spirv-cross counts bytes in 32 bits). If the scene needs more, the parts worth the fewest pixels are drawn coarser.
   std::uint64_t pool_bytes = std::uint64_t{256} << 20;
   Features features = Features::kNone;  // of the programs that the host has made
   // Told once for each asset why an instance of it was left out (Stats::left_out), or that pump() or upload()
@@ -133,7 +134,8 @@ class Planner {
   Planner& operator=(const Planner&) = delete;
 
   // Registers an asset; copies() then holds its tables. It must outlive the planner, or be removed first.
-  // kMisuse: it was added before. kLimit: the coarsest levels of the assets added before leave no room.
+  // kMisuse: it was added before, or copies of the call before were not made. kLimit: the coarsest levels of
+  // the assets added before leave no room. Where it fails, copies() is to be made too.
   Result<void> add(const runtime::Asset& asset);
   void remove(const runtime::Asset& asset);
   // The programs that parts of the asset may need, but for View::debug: bit i for Program i.
@@ -145,7 +147,7 @@ class Planner {
   // longest, or is worth fewer pixels, is dropped. Large grids and pages take several frames. Before the
   // first draw everything is wanted: a loading screen calls upload() until `pending` is 0. If the allocator
   // fails, the upload is tried again in the next call. kLimit: the coarsest levels of all assets do not fit;
-  // those that do are drawn.
+  // those that do are drawn, so copies() is to be made then too. kMisuse: those of the call before were not.
   Result<Stats> upload(std::uint64_t max_bytes);
   // What the last create(), add() or upload() wants copied, before the next draw()'s calls. The copies do not
   // overlap.
