@@ -3,7 +3,7 @@
 // voxels.
 
 // The pool: all voxels of all assets as 32-bit words; in a texture, 1024 to a row, 1024 rows to a layer.
-// runtime/gl/src writes it:
+// runtime/draw/src writes it:
 //   of an asset  9 words for each palette entry: base color, emissive, metallic, roughness
 //                then for each part 3 words for each of its levels, finest first: where its cells are, where
 //                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31);
@@ -138,7 +138,7 @@ bool kelpLoadLevel(int level) {
 }
 
 // The level that a pixel draws. An ordered 8 x 8 pattern of pixels mixes two levels, so that a part that
-// comes nearer changes gradually from one to the other. runtime/gl/src/detail.cpp has the same pattern.
+// comes nearer changes gradually from one to the other. runtime/draw/src/detail.cpp has the same pattern.
 int kelpPixelLevel(ivec2 pixel) {
   uint bits = kelpRecordBits(kelp_record + 11).w;
   int x = pixel.x ^ pixel.y;

@@ -1725,12 +1725,13 @@ class Planner(_Object):
 
     def copies(self) -> list[Copy]:
         """What is to be copied into the pool before the calls of the next draw. The library forgets it, so
-        make all of these copies, in this order."""
+        make all of these copies. Call it after each add() and upload(), even if they failed."""
         found, count = POINTER(_Copy)(), c_uint32()
-        self._do("get_copies", byref(found), byref(count))
-        out = [Copy(one.offset, _copy(one.words, one.size // 4, np.uint32), one.frame)
-               for one in found[:count.value]]
-        self._do("copied")
+        with _using(*self._assets, change=self), self._caught.raised():
+            _call("planner_get_copies", self._handle, byref(found), byref(count))
+            out = [Copy(one.offset, _copy(one.words, one.size // 4, np.uint32), one.frame)
+                   for one in found[:count.value]]
+            _call("planner_copied", self._handle)
         return out
 
     def _plan(self, name: str, view: View, instances: Instances, *settings: int) -> DrawData:

@@ -4,6 +4,10 @@
 #include "objects.h"
 
 namespace kelp::c {
+
+template <>
+inline constexpr std::size_t kFirstSize<kelp_asset_info> = offsetof(kelp_asset_info, joints);
+
 namespace {
 
 // The element of a list of the pack's; null, with an error, if there is none.

@@ -8,11 +8,13 @@
 namespace kelp::draw {
 
 void Copies::forget(std::uint32_t row, std::uint32_t rows) {
-  const std::uint64_t begin = std::uint64_t{row} * Pool::kRowBytes, end = begin + std::uint64_t{rows} * Pool::kRowBytes;
+  const std::uint64_t begin = std::uint64_t{row} * Pool::kRowBytes,
+                      end = begin + std::uint64_t{rows} * Pool::kRowBytes;
   const auto gone = [=](const Copy& copy) {
     return copy.words.data() && copy.offset >= begin && copy.offset < end;
   };
-  count_ = static_cast<std::size_t>(std::remove_if(copies_.begin(), copies_.begin() + count_, gone) - copies_.begin());
+  count_ = static_cast<std::size_t>(std::remove_if(copies_.begin(), copies_.begin() + count_, gone) -
+                                    copies_.begin());
 }
 
 std::span<const Copy> Copies::all() {

@@ -15,8 +15,6 @@ struct Projection {
   float pixel_scale = 0;  // pixels per unit of length at clip w = 1
 };
 
-inline bool hasPixels(const View& view) { return view.camera.viewport.x > 0 && view.camera.viewport.y > 0; }
-
 // kMisuse for a view that draw() and bindTrace() cannot use. features: those of the program.
 Result<void> checkView(const View& view, Features features);
 // True if the picture is shaded by distances.

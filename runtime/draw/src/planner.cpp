@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::uint64_t kLeastUpload = 4096;
 constexpr Error kNoMemoryForPlanner{ErrorCode::kOutOfMemory, "no memory to plan what is drawn"};
-constexpr Error kUnmade{ErrorCode::kMisuse, "copies() of the call before were not made; make them, then call copied()"};
+constexpr Error kUnmade{ErrorCode::kMisuse,
+                        "copies() of the call before were not made; make them, then call copied()"};
 
 Uniforms uniformsOf(const View& view, Pass pass, Depth depth) {
   const Quality& quality = view.quality;
@@ -75,6 +76,7 @@ Result<DrawData> Planner::Impl::build(const View& view, runtime::Instances insta
   if (auto good = checkView(view, features); !good) return good.error();
   DrawData data;
   data.stats = stats();
+  data.uniforms = uniformsOf(view, pass, depth);
   if (!hasPixels(view)) {
     if (log.write && !std::exchange(told_no_pixels, true))
       log.write(log.user, "kelp: Camera::viewport has no pixels, so nothing is drawn; this is told once\n");
@@ -86,7 +88,6 @@ Result<DrawData> Planner::Impl::build(const View& view, runtime::Instances insta
   if (auto good = list.build(store, *projection, view, instances, kind, rays); !good) return good.error();
   list.count(data.stats);
   data.frame = store.pool().frame();
-  data.uniforms = uniformsOf(view, pass, depth);
   data.uniforms.first_instance = static_cast<std::int32_t>(list.firstNumber());
   if (data.stats.instances > 0) data.records = list.records();
   return data;
@@ -178,8 +179,9 @@ Result<Stats> Planner::upload(std::uint64_t max_bytes) {
   const auto progress = impl_->store.upload(max_bytes);
   if (!progress) return progress.error();
   if (!progress->coarsest_fit)
-    return Error{ErrorCode::kLimit,
-                 "the pool (gpu_budget) is too small for the coarsest levels of all assets: some are not drawn"};
+    return Error{
+        ErrorCode::kLimit,
+        "the pool (gpu_budget) is too small for the coarsest levels of all assets: some are not drawn"};
   Stats stats = impl_->stats();
   stats.bytes_uploaded = progress->bytes;
   return stats;
@@ -191,7 +193,11 @@ void Planner::copied() { impl_->store.copied(); }
 Result<DrawData> Planner::draw(const View& view, runtime::Instances instances, Pass pass, Depth depth) {
   Impl& self = *impl_;
   auto data = self.build(view, instances, pass, depth, Rays::kView);
-  if (!data || data->stats.instances == 0) return data;
+  if (!data) return data;
+  if (data->stats.instances == 0) {
+    data->uniforms.scene = 0;
+    return data;
+  }
   const bool debug = replacesColors(view.debug);
   const auto listed = pass == Pass::kFog ? self.listFog(depth, view.quality.self_shadow, debug)
                                          : self.listSolids(depth, view.quality.depth_batches, debug);

@@ -23,7 +23,10 @@ const char* preludeOf(Dialect dialect) {
 }
 
 void add(ShaderText& to, const char* text) {
-  if (to.count < to.strings.size()) to.strings[to.count++] = text;
+  if (to.count < to.strings.size())
+    to.strings[to.count++] = text;
+  else
+    to.strings.back() = "#error kelp: more texts than ShaderText holds\n";
 }
 void addIf(ShaderText& to, bool wanted, const char* text) {
   if (wanted) add(to, text);

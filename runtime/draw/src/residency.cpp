@@ -106,12 +106,22 @@ void Residency::remove(const runtime::Asset& asset) {
   if (--count_ == 0) pending_ = 0;
 }
 
+std::span<const Copy> Residency::copies() {
+  (void)copies_.all();
+  forgetDead();
+  return copies_.all();
+}
+
+void Residency::forgetDead() {
+  for (ResidentAsset* asset : std::span(assets_.data(), count_)) {
+    if (asset->tables_row != 0 && !asset->watch.alive()) forget(*asset);
+  }
+}
+
 // Forgets the copies of the call before, and what assets held that are gone.
 void Residency::beginCall(std::uint64_t max_bytes) {
   copied();
-  for (ResidentAsset* asset : std::span(assets_.data(), count_)) {
-    if (!asset->watch.alive()) forget(*asset);
-  }
+  forgetDead();
   written_ = 0;
   byte_limit_ = max_bytes;
   later_ = false;

@@ -51,7 +51,7 @@ class Residency {
   // Copies at most `max_bytes`, asks the assets for what is not in memory.
   Result<Progress> upload(std::uint64_t max_bytes);
   // Of the last create(), add() or upload(). They do not overlap.
-  std::span<const Copy> copies() { return copies_.all(); }
+  std::span<const Copy> copies();
   // Lets go of the pages that they are from.
   void copied();
 
@@ -106,6 +106,7 @@ class Residency {
   std::uint64_t addressOf(const Change& change) const;
   void copyChanges();
   void forget(ResidentAsset& asset);
+  void forgetDead();
 
   const bool distances_;
   Pool pool_;

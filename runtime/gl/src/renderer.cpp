@@ -190,15 +190,18 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
   Impl& self = *impl_;
   const Api& api = self.api;
   if (const Error* const unusable = self.unusable()) return *unusable;
-  const bool has_pixels = view.camera.viewport.x > 0 && view.camera.viewport.y > 0;
-  if (has_pixels && api.CheckFramebufferStatus(kDrawFramebuffer) != kFramebufferComplete) return kIncomplete;
+  const draw::View planned = drawView(view);
+  if (draw::hasPixels(planned) && api.CheckFramebufferStatus(kDrawFramebuffer) != kFramebufferComplete)
+    return kIncomplete;
   const bool fog = pass == Pass::kFog;
-  draw::Depth depth = view.scene_depth != 0 ? draw::Depth::kGiven : draw::Depth::kNone;
-  if (has_pixels && depth == draw::Depth::kNone && (fog || view.quality.depth_batches > 1)) {
+  auto data = self.planner->draw(planned, instances, pass,
+                                 view.scene_depth != 0 ? draw::Depth::kGiven : draw::Depth::kCopied);
+  bool copies = data && view.scene_depth == 0 && data->uniforms.scene != 0;
+  if (copies) {
     const UploadGuard guard(api, self.restore);
-    if (self.depth.prepare(api)) depth = draw::Depth::kCopied;
+    copies = self.depth.prepare(api);
+    if (!copies) data = self.planner->draw(planned, instances, pass, draw::Depth::kNone);
   }
-  const auto data = self.planner->draw(drawView(view), instances, pass, depth);
   if (!data) return data.error();
   if (data->calls.empty()) return data->stats;
   const DebugGroup group(api, pass == Pass::kDepth ? "kelp depth" : fog ? "kelp fog" : "kelp color");
@@ -210,7 +213,6 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
       return good.error();
   }
   const DrawGuard guard(api, self.restore);
-  const bool copies = depth == draw::Depth::kCopied;
   const Name scene_depth = copies ? self.depth.texture() : view.scene_depth;
   for (const draw::Call& call : data->calls) {
     if (auto good = self.prepare(call.program); !good) return good.error();

@@ -19,7 +19,9 @@ typedef struct kelp_planner_options {
   uint32_t struct_size;
   kelp_features features;  // of the programs that the host has made
   // Size of the pool, a buffer of the host's that holds all voxels. Whole blocks of 4 KiB; at least 256 KiB,
-  // less than 16 GiB. If the scene needs more, what covers the fewest pixels is drawn coarser.
+  // less than 16 GiB, and no more than a storage buffer of your API may have (of Vulkan and WebGPU 128 MiB is
+  // sure; HLSL by spirv-cross counts bytes in 32 bits). If the scene needs more, what covers the fewest
+  // pixels is drawn coarser.
   uint64_t pool_bytes;
   // Told once for each asset why an instance was left out, or that kelp_asset_pump or kelp_planner_upload was
   // never called. Called in functions of the planner. May be null.
@@ -36,7 +38,8 @@ KELP_API kelp_result kelp_planner_destroy(kelp_planner planner);
 KELP_API kelp_result kelp_planner_get_pool_bytes(kelp_planner planner, uint64_t* bytes);
 
 // Registers an asset, and wants its tables copied; remove it before you destroy it. KELP_ERROR_MISUSE: it was
-// added before. KELP_ERROR_LIMIT: no room in the pool.
+// added before, or copies of the call before were not made. KELP_ERROR_LIMIT: no room in the pool. Make the
+// copies that it wants even if it fails.
 KELP_API kelp_result kelp_planner_add(kelp_planner planner, kelp_asset asset);
 KELP_API kelp_result kelp_planner_remove(kelp_planner planner, kelp_asset asset);
 
@@ -71,7 +74,7 @@ KELP_API kelp_result kelp_get_program_text(kelp_program program, kelp_dialect di
 // Call it once a frame. Wants at most max_bytes (0, or 4096 and more) copied of what the draws since the last
 // call lacked. Requests from the assets what is not in memory, so that kelp_asset_pump reads it. stats: may
 // be null; stats->pending is 0 when all is there. KELP_ERROR_LIMIT: the coarsest levels do not fit; those
-// that do are drawn.
+// that do are drawn, so make the copies then too. KELP_ERROR_MISUSE: those of the call before were not made.
 KELP_API kelp_result kelp_planner_upload(kelp_planner planner, uint64_t max_bytes, kelp_stats* stats);
 
 // Bytes to be copied into the pool.
@@ -84,11 +87,12 @@ typedef struct kelp_copy {
   const uint32_t* words;
   size_t size;  // of `words`, in bytes
 } kelp_copy;
-// What the last create, add or upload wants copied, before the calls of the next draw. They do not overlap.
-// *copies: *count of them. They and their words are valid until the planner's next copied, add, remove or
-// upload, or the end of the asset; the array also ends with the next get_copies.
+// What the last create, add or upload wants copied, before the calls of the next draw, even if it failed.
+// They do not overlap. Those of an asset end with its removal. *copies: *count of them. They and their words
+// are valid until the planner's next copied, add, remove or upload, or the end of the asset; the array also
+// ends with the next get_copies.
 KELP_API kelp_result kelp_planner_get_copies(kelp_planner planner, const kelp_copy** copies, uint32_t* count);
-// The copies were made: lets go of their words, and wants no more copies.
+// The copies were made: lets go of their words. The next add and upload are KELP_ERROR_MISUSE before.
 KELP_API kelp_result kelp_planner_copied(kelp_planner planner);
 
 // A draw call: strips of six vertices, `count` instances from `first` on; of KELP_PROGRAM_LINES one instance

@@ -21,7 +21,8 @@ namespace kelp::draw {
 struct PlannerOptions {
   // Size of the pool: the buffer of the host's that holds all voxels. Whole blocks of 4 KiB; at least 256
   // KiB, less than 16 GiB, and no more than a storage buffer of the host's API may have (of Vulkan and WebGPU
-  // 128 MiB is sure; HLSL by spirv-cross counts bytes in 32 bits). If the scene needs more, the parts worth the fewest pixels are drawn coarser.
+  // 128 MiB is sure; HLSL by spirv-cross counts bytes in 32 bits). If the scene needs more, the parts worth
+  // the fewest pixels are drawn coarser.
   std::uint64_t pool_bytes = std::uint64_t{256} << 20;
   Features features = Features::kNone;  // of the programs that the host has made
   // Told once for each asset why an instance of it was left out (Stats::left_out), or that pump() or upload()
@@ -149,10 +150,10 @@ class Planner {
   // fails, the upload is tried again in the next call. kLimit: the coarsest levels of all assets do not fit;
   // those that do are drawn, so copies() is to be made then too. kMisuse: those of the call before were not.
   Result<Stats> upload(std::uint64_t max_bytes);
-  // What the last create(), add() or upload() wants copied, before the next draw()'s calls. The copies do not
-  // overlap.
+  // What the last create(), add() or upload() wants copied, before the next draw()'s calls, even if it
+  // failed. The copies do not overlap. remove() leaves out those of its asset.
   std::span<const Copy> copies() const;
-  // The copies were made: lets go of their words, and wants no more copies.
+  // The copies were made: lets go of their words. The next add() and upload() are kMisuse before.
   void copied();
 
   // Lists what to draw. Instances whose asset's coarsest level is not uploaded yet are not drawn yet.

@@ -152,6 +152,9 @@ struct View {
   DebugView debug = DebugView::kNone;
 };
 
+// False: in a minimized window, say. Then nothing is drawn.
+inline bool hasPixels(const View& view) { return view.camera.viewport.x > 0 && view.camera.viewport.y > 0; }
+
 enum class Pass : std::uint8_t {
   kColor,  // color and depth of solid parts
   kDepth,  // depth only, for shadow maps and pre-passes
