@@ -216,6 +216,18 @@ class Depth(enum.IntEnum):
     COPIED = 2
 
 
+class Dialect(enum.IntEnum):
+    """Of GLSL."""
+    GL_330 = 0
+    ES_300 = 1
+    VULKAN = 2
+
+
+class Stage(enum.IntEnum):
+    VERTEX = 0
+    FRAGMENT = 1
+
+
 class _Read(enum.IntEnum):
     DONE = 0
     NOT_YET = 1
@@ -424,6 +436,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "planner_add": (_Handle, _Handle),
     "planner_remove": (_Handle, _Handle),
     "planner_get_programs": (_Handle, _Handle, _p(c_uint32)),
+    "get_program_text": (c_uint32, c_int32, c_int32, c_uint32, c_char_p, c_char_p, c_uint64, _p(c_uint64)),
     "planner_upload": (_Handle, c_uint64, _p(_Stats)),
     "planner_get_copies": (_Handle, _p(_p(_Copy)), _p(c_uint32)),
     "planner_copied": (_Handle,),
@@ -1642,6 +1655,17 @@ class DrawData(NamedTuple):
     lines: Array
     frame: int  # 1, 2, ...: for Copy.frame
     stats: Stats
+
+
+def program_text(program: Program, stage: Stage, dialect: Dialect = Dialect.VULKAN,
+                 features: Feature = Feature(0), surface_glsl: Optional[str] = None) -> str:
+    """The GLSL of a program, #version and all. surface_glsl: as of a Renderer."""
+    surface = None if surface_glsl is None else _of(surface_glsl, str)
+    text, size = ctypes.create_string_buffer(0), c_uint64()
+    for _ in range(2):
+        text = ctypes.create_string_buffer(size.value)
+        _call("get_program_text", program, dialect, stage, features, surface, text, len(text), byref(size))
+    return text.value.decode()
 
 
 class Planner(_Object):

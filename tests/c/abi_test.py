@@ -163,6 +163,7 @@ def check_python(folder, library, text, functions, laid_out):
              "BEND": module.Bend, "TARGET": module.Target, "INTERPOLATION": module.Interpolation,
              "PLAY": module.Play, "STATE": module.State, "UNSOUND": module.Unsound,
              "FEATURE": module.Feature, "PROGRAM": module.Program, "DEPTH": module.Depth,
+             "DIALECT": module.Dialect, "STAGE": module.Stage,
              "CLIP_RANGE": module.ClipRange, "SHADING": module.Shading, "OUTPUT": module.Output,
              "DEBUG_VIEW": module.DebugView, "PASS": module.Pass, "READ": module._Read}
     wanted = {}

@@ -321,7 +321,9 @@ TEST_F(CBadInput, SizesOfStructs) {
   expectSizes("draw data", sized<kelp_draw_data>(), [this](kelp_draw_data* s) {
     return kelp_planner_draw(good_.planner, aView(), nullptr, 0, 0, 0, s, nullptr);
   });
-  expectSizes("view", sized<kelp_view>(), [](kelp_view* s) { return kelp_view_defaults(s); });
+  constexpr std::size_t kFirstView = offsetof(kelp_view, debug);
+  expectSizes(
+      "view", sized<kelp_view>(), [](kelp_view* s) { return kelp_view_defaults(s); }, kFirstView);
   constexpr std::size_t kFirst = offsetof(kelp_instance, unsound);
   expectSizes(
       "instance", sized<kelp_instance>(), [](kelp_instance* s) { return kelp_instance_defaults(s); }, kFirst);
@@ -342,7 +344,8 @@ TEST_F(CBadInput, SizesOfStructs) {
   });
   auto view = sized<kelp_view>();
   ASSERT_KELP(kelp_view_defaults(&view));
-  expectSizes("view in", view, [&](kelp_view* s) { return kelp_level_at(s, &good, 0, 0, 0, &number); });
+  expectSizes(
+      "view in", view, [&](kelp_view* s) { return kelp_level_at(s, &good, 0, 0, 0, &number); }, kFirstView);
 
   // Null is allowed for these: the defaults.
   auto allocator = sized<kelp_allocator>();
@@ -428,6 +431,8 @@ TEST_F(CBadInput, NullPointersAndBadNumbers) {
            kelp_planner_draw(d, aView(), nullptr, 1, 0, 0, data, nullptr),
            kelp_planner_draw(d, aView(), nullptr, 0, 0, 0, nullptr, nullptr),
            kelp_planner_trace(d, nullptr, nullptr, 0, data, nullptr),
+           kelp_get_program_text(0, 0, 0, 0, nullptr, nullptr, 1, &large),
+           kelp_get_program_text(0, 0, 0, 0, nullptr, nullptr, 0, nullptr),
        })
     EXPECT_EQ(kelp_result{KELP_ERROR_NULL}, result);
   config.get_proc_address = [](void*, const char*) -> void* { return nullptr; };
@@ -441,6 +446,12 @@ TEST_F(CBadInput, NullPointersAndBadNumbers) {
            kelp_pool_bytes(a, 8, &bytes),
            kelp_planner_create(&pool, &planner),  // of no bytes
            kelp_planner_upload(d, 1, nullptr),
+           kelp_get_program_text(65, 0, 0, 0, nullptr, nullptr, 0, &large),
+           kelp_get_program_text(0, 3, 0, 0, nullptr, nullptr, 0, &large),
+           kelp_get_program_text(0, -1, 0, 0, nullptr, nullptr, 0, &large),
+           kelp_get_program_text(0, 0, 2, 0, nullptr, nullptr, 0, &large),
+           kelp_get_program_text(0, 0, -1, 0, nullptr, nullptr, 0, &large),
+           kelp_get_program_text(0, 0, 0, 8, nullptr, nullptr, 0, &large),
            kelp_planner_draw(d, aView(), nullptr, 0, 3, 0, data, nullptr),
            kelp_planner_draw(d, aView(), nullptr, 0, 0, 3, data, nullptr),
            kelp_planner_draw(d, aView(), nullptr, 0, -1, 0, data, nullptr),

@@ -303,6 +303,14 @@ class DrawData(Column):
         self.planner.close()
         self.assertEqual(numbers, data.records.reshape(-1)[first:first + 2].tolist())
 
+    def test_programs(self):
+        for stage, main in ((kelp.Stage.VERTEX, "gl_Position"), (kelp.Stage.FRAGMENT, "gl_FragDepth")):
+            text = kelp.program_text(kelp.Program.SWEPT, stage, kelp.Dialect.ES_300)
+            self.assertTrue(text.startswith("#version 300 es\n"), text[:40])
+            self.assertIn(main, text)
+        self.assertIn("vec4 mine", kelp.program_text(kelp.Program(0), kelp.Stage.FRAGMENT,
+                                                     surface_glsl="vec4 mine = vec4(0);"))
+
     def test_passes(self):
         self.planner.add(self.asset)
         self.copy()

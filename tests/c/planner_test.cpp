@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "both.h"
+#include "kelp/draw/program_text.h"
 
 namespace kelp::test {
 namespace {
@@ -204,6 +205,38 @@ TEST(CPlanner, TheFirstCallCopiesTheDepth) {
       EXPECT_EQ(view.depth_batches > 1, data.calls[0].copies_depth != 0);
       EXPECT_EQ(view.depth_batches > 1 ? 1 : 0, data.uniforms->scene);
     }
+}
+
+TEST(CPlanner, ProgramTextsAreThoseOfCpp) {
+  const auto textOf = [](kelp_program program, kelp_dialect dialect, kelp_stage stage, kelp_features features,
+                         const char* surface, std::uint64_t capacity) {
+    std::uint64_t size = 0;
+    std::string text(capacity, 'x');
+    EXPECT_KELP(KELP_OK, kelp_get_program_text(program, dialect, stage, features, surface,
+                                               capacity > 0 ? text.data() : nullptr, capacity, &size));
+    EXPECT_TRUE(capacity == 0 || std::strlen(text.c_str()) == std::min(capacity, size) - 1);
+    return std::pair(std::string(text.c_str()), size);
+  };
+  for (kelp_program program = 0; program < KELP_PROGRAMS; ++program)
+    for (const kelp_dialect dialect : {KELP_DIALECT_GL_330, KELP_DIALECT_ES_300, KELP_DIALECT_VULKAN})
+      for (const char* const surface :
+           {static_cast<const char*>(nullptr), "vec4 kelpSurface(KelpSurface s);"}) {
+        const kelp_features features = program % 8;
+        const draw::ProgramText expected =
+            draw::programText(static_cast<draw::Program>(program), static_cast<draw::Dialect>(dialect),
+                              static_cast<draw::Features>(features), surface);
+        for (const kelp_stage stage : {KELP_STAGE_VERTEX, KELP_STAGE_FRAGMENT}) {
+          std::string joined;
+          for (const char* const string : (stage == 0 ? expected.vertex : expected.fragment).all())
+            joined += string;
+          const auto [text, size] = textOf(program, dialect, stage, features, surface, joined.size() + 1);
+          EXPECT_EQ(joined, text);
+          EXPECT_EQ(joined.size() + 1, size);
+        }
+      }
+  const auto [start, size] = textOf(0, KELP_DIALECT_VULKAN, KELP_STAGE_VERTEX, 0, nullptr, 9);
+  EXPECT_EQ("#version", start);
+  EXPECT_EQ(size, textOf(0, KELP_DIALECT_VULKAN, KELP_STAGE_VERTEX, 0, nullptr, 0).second);
 }
 
 TEST(CPlanner, MemoryIsTheHosts) {

@@ -2,6 +2,7 @@
 #include "kelp/c/planner.h"
 
 #include "instance_list.h"
+#include "kelp/draw/program_text.h"
 #include "view.h"
 
 namespace kelp::c {
@@ -9,7 +10,8 @@ namespace {
 
 static_assert(KELP_PROGRAM_EITHER_BEND == static_cast<int>(draw::Program::kEitherBend) &&
               KELP_PROGRAMS == draw::kPrograms && KELP_RECORD_WIDTH == draw::kRecordWidth);
-static_assert(KELP_DEPTH_COPIED == static_cast<int>(draw::Depth::kCopied));
+static_assert(KELP_DEPTH_COPIED == static_cast<int>(draw::Depth::kCopied) &&
+              KELP_DIALECT_VULKAN == static_cast<int>(draw::Dialect::kVulkan));
 static_assert(sizeof(kelp_uniforms) == sizeof(draw::Uniforms) &&
               offsetof(kelp_uniforms, first_instance) == offsetof(draw::Uniforms, first_instance) &&
               offsetof(kelp_uniforms, clip_low) == offsetof(draw::Uniforms, clip_low) &&
@@ -136,6 +138,27 @@ kelp_result kelp_planner_get_programs(kelp_planner planner, kelp_asset asset, ui
       return kelp_result{KELP_OK};
     });
   });
+}
+
+kelp_result kelp_get_program_text(kelp_program program, kelp_dialect dialect, kelp_stage stage,
+                                  kelp_features features, const char* surface_glsl, char* text,
+                                  uint64_t capacity, uint64_t* size) {
+  if (!size || (!text && capacity > 0)) return nullPointer();
+  if (program >= KELP_PROGRAMS) return misuse("there is no such program");
+  if (dialect < KELP_DIALECT_GL_330 || dialect > KELP_DIALECT_VULKAN)
+    return misuse("there is no such dialect");
+  if (stage < KELP_STAGE_VERTEX || stage > KELP_STAGE_FRAGMENT) return misuse("there is no such stage");
+  if (const kelp_result bad = checkFeatures(features)) return bad;
+  const kelp::draw::ProgramText whole =
+      kelp::draw::programText(static_cast<kelp::draw::Program>(program), toEnum<kelp::draw::Dialect>(dialect),
+                              static_cast<kelp::draw::Features>(features), surface_glsl);
+  std::uint64_t at = 0;
+  for (const char* string : (stage == KELP_STAGE_VERTEX ? whole.vertex : whole.fragment).all())
+    for (; *string; ++string, ++at)
+      if (at + 1 < capacity) text[at] = *string;
+  if (capacity > 0) text[std::min(at, capacity - 1)] = '\0';
+  *size = at + 1;
+  return KELP_OK;
 }
 
 kelp_result kelp_planner_upload(kelp_planner planner, uint64_t max_bytes, kelp_stats* stats) {

@@ -57,6 +57,17 @@ enum { KELP_PROGRAMS = 65 };  // every kelp_program is below
 // kelp_program i. The asset need not be added.
 KELP_API kelp_result kelp_planner_get_programs(kelp_planner planner, kelp_asset asset, uint32_t* programs);
 
+typedef int32_t kelp_dialect;
+enum { KELP_DIALECT_GL_330 = 0, KELP_DIALECT_ES_300 = 1, KELP_DIALECT_VULKAN = 2 };
+typedef int32_t kelp_stage;
+enum { KELP_STAGE_VERTEX = 0, KELP_STAGE_FRAGMENT = 1 };
+// The GLSL of a program, #version and all. Writes at most `capacity` bytes of it to `text` (may be null if
+// that is 0), the last one 0. *size: the bytes that the whole takes, with the 0. features: for solid parts.
+// surface_glsl: as in kelp_renderer_options; may be null. Any thread.
+KELP_API kelp_result kelp_get_program_text(kelp_program program, kelp_dialect dialect, kelp_stage stage,
+                                           kelp_features features, const char* surface_glsl, char* text,
+                                           uint64_t capacity, uint64_t* size);
+
 // Call it once a frame. Wants at most max_bytes (0, or 4096 and more) copied of what the draws since the last
 // call lacked. Requests from the assets what is not in memory, so that kelp_asset_pump reads it. stats: may
 // be null; stats->pending is 0 when all is there. KELP_ERROR_LIMIT: the coarsest levels do not fit; those
