@@ -10,7 +10,7 @@
 set -euo pipefail
 
 if [ $# -lt 1 ] || [[ $1 == -* ]]; then
-  sed -n '3,/^set/ { /^#/ s/^# \?//p }' "$0"
+  sed -n '3,/^set/ { /^#/ s/^# \{0,1\}//p; }' "$0"
   [ "${1:-}" = --help ] && exit 0 || exit 1
 fi
 for tool in glslangValidator:glslang-tools spirv-val:spirv-tools spirv-cross:spirv-cross; do
@@ -19,7 +19,6 @@ for tool in glslangValidator:glslang-tools spirv-val:spirv-tools spirv-cross:spi
 done
 out=$1 options=("${@:2}") shaders=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$out"/{spirv,hlsl,msl,essl}
-: >"$out/programs.txt"
 
 programs() {
   printf '%s\n' draw.vert lines.vert lines.frag "draw.frag KELP_DEBUG"
@@ -50,7 +49,8 @@ translate() {
   local defines=("${@:2}") stage=${1##*.} name spirv
   name=${1%.*}$(printf %s "${@:2}" | tr '[:upper:]' '[:lower:]' | sed 's/kelp_/_/g; s/_only//g; s/_fog//g')
   spirv=$out/spirv/$name.$stage.spv
-  quietly glslangValidator --quiet --target-env vulkan1.1 -DKELP_VULKAN "${defines[@]/#/-D}" "${options[@]}" \
+  quietly glslangValidator --quiet --target-env vulkan1.1 -DKELP_VULKAN ${defines[@]+"${defines[@]/#/-D}"} \
+    ${options[@]+"${options[@]}"} \
     "$shaders/$1" -o "$spirv"
   quietly spirv-val --target-env vulkan1.1 "$spirv"
   quietly spirv-cross "$spirv" --hlsl --shader-model 51 --output "$out/hlsl/$name.$stage.hlsl"
@@ -60,11 +60,4 @@ translate() {
   echo "$name.$stage: $*"
 }
 
-failed=0
-while read -ra program; do
-  [ "$(jobs -pr | wc -l)" -lt "$(nproc)" ] || wait -n || failed=1
-  translate "${program[@]}" >>"$out/programs.txt" &
-done < <(programs)
-while [ -n "$(jobs -p)" ]; do wait -n || failed=1; done
-sort -o "$out/programs.txt" "$out/programs.txt"
-exit $failed
+while read -ra program; do translate "${program[@]}"; done < <(programs) | sort >"$out/programs.txt"

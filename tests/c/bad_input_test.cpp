@@ -301,8 +301,9 @@ TEST_F(CBadInput, SizesOfStructs) {
   expectSizes("error", sized<kelp_error>(), [](kelp_error* s) { return kelp_last_error(s); });
   expectSizes("options", sized<kelp_asset_options>(),
               [](kelp_asset_options* s) { return kelp_asset_options_defaults(s); });
-  expectSizes("info", sized<kelp_asset_info>(),
-              [a](kelp_asset_info* s) { return kelp_asset_get_info(a, s); });
+  expectSizes(
+      "info", sized<kelp_asset_info>(), [a](kelp_asset_info* s) { return kelp_asset_get_info(a, s); },
+      offsetof(kelp_asset_info, joints));
   expectSizes("part", sized<kelp_part>(), [a](kelp_part* s) { return kelp_asset_get_part(a, 0, s); });
   expectSizes("clip", sized<kelp_clip>(), [a](kelp_clip* s) { return kelp_asset_get_clip(a, 0, s); });
   expectSizes("wave", sized<kelp_wave>(), [a](kelp_wave* s) { return kelp_asset_get_wave(a, 0, 0, s); });

@@ -9,7 +9,7 @@
 namespace kelp::test {
 namespace {
 
-constexpr glm::ivec2 kSize(120, 90);
+constexpr glm::ivec2 kSize(96, 72);
 
 class BackendTest : public testing::Test {
  protected:
@@ -232,7 +232,7 @@ TEST_F(BackendTest, Fog) {
       both[1].to_world = glm::translate(glm::mat4(1), glm::vec3(0.2f, 0, 0.1f));
       hosts.expectSame("solids", view, both);
       hosts.expectSame("over solids", view, both, {.pass = draw::Pass::kFog, .clears = false});
-      const std::vector<float> given(static_cast<std::size_t>(kSize.x * kSize.y), 0.99f);
+      const std::vector<float> given(static_cast<std::size_t>(kSize.x * kSize.y), 0.9935f);
       hosts.expectSame("before what is given", view, both, {.pass = draw::Pass::kFog, .given = given});
       hosts.planner().remove(*fog.asset);
       hosts.renderer().remove(*fog.asset);
@@ -265,7 +265,7 @@ TEST_F(BackendTest, Streaming) {
     differ += hosts.picture().colors != before;
     before = hosts.picture().colors;
   }
-  EXPECT_GT(differ, 10);
+  EXPECT_GT(differ, 5);
   EXPECT_GT(hosts.draw(view, instance).shown, 1000);
 }
 

@@ -83,9 +83,11 @@ TEST(LateUpload, WithoutCopiesEveryDrawEnds) {
   const std::vector<Instance> instances = instancesOf(packs);
   for (const draw::Features features : {draw::Features::kNone, draw::Features::kDistances}) {
     const auto planner = draw::Planner::create({.pool_bytes = kTinyPool, .features = features}).value();
+    planner->copied();
     for (const auto& pack : packs) {
       EXPECT_TRUE(pack->streamed->loadAll());
       ASSERT_TRUE(planner->add(*pack->streamed));
+      planner->copied();
     }
     (void)planner->upload(~std::uint64_t{0});
     draw::View view = lookFrom({2.5f, 0.8f, 3}, {2.5f, 0.5f, 0});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "kelp/formats/fog.h"
 #include "kelp/formats/page.h"
 #include "kelp/streaming/page_access.h"
 
@@ -76,7 +77,8 @@ void PoolModel::visitLevel(const PlacedPart& part, int level, bool distances, st
   const std::uint32_t cells = word(table), pages = word(table + 1), grid = word(table + 2);
   if (grid == 0) return;
   const glm::ivec3 bricks(grid & 1023, grid >> 10 & 1023, 0);
-  const glm::ivec3 expected = brickGrid(levelSize(part.size, level));
+  const PartKind kind = fog_words > 0 ? PartKind::kFog : PartKind::kSolid;
+  const glm::ivec3 expected = brickGrid(latticeSize(kind, levelSize(part.size, level)));
   ASSERT_EQ(bricks.x + 1, expected.x);
   ASSERT_EQ(bricks.y + 1, expected.y);
   const auto count = static_cast<std::uint64_t>(expected.x * expected.y * expected.z);

@@ -133,7 +133,7 @@ void TwoHosts::expectSame(const char* what, const gl::View& view, runtime::Insta
                           const PassOptions& options) {
   SCOPED_TRACE(what);
   const Difference difference = draw(view, instances, options);
-  EXPECT_GT(difference.shown, 300);
+  EXPECT_GT(difference.shown, 60);
   if (options.rays_may_flip) {
     EXPECT_LE(difference.apart, difference.shown / 100);
     return;

@@ -11,7 +11,7 @@ void Copies::forget(std::uint32_t row, std::uint32_t rows) {
   const std::uint64_t begin = std::uint64_t{row} * Pool::kRowBytes,
                       end = begin + std::uint64_t{rows} * Pool::kRowBytes;
   const auto gone = [=](const Copy& copy) {
-    return copy.words.data() && copy.offset >= begin && copy.offset < end;
+    return copy.words.data() && copy.offset < end && copy.offset + copy.words.size_bytes() > begin;
   };
   count_ = static_cast<std::size_t>(std::remove_if(copies_.begin(), copies_.begin() + count_, gone) -
                                     copies_.begin());
