@@ -154,6 +154,7 @@ const Call kPlannerCalls[] = {
     {"pool_bytes", [](const Handles& h) { return kelp_planner_get_pool_bytes(h.planner, &large); }},
     {"add", [](const Handles& h) { return kelp_planner_add(h.planner, h.asset); }},
     {"programs", [](const Handles& h) { return kelp_planner_get_programs(h.planner, h.asset, &count); }},
+    {"copied", [](const Handles& h) { return kelp_planner_copied(h.planner); }},  // the asset's tables
     {"upload", [](const Handles& h) { return kelp_planner_upload(h.planner, 4096, out<kelp_stats>()); }},
     {"copies", [](const Handles& h) { return kelp_planner_get_copies(h.planner, &wanted_copies, &count); }},
     {"copied", [](const Handles& h) { return kelp_planner_copied(h.planner); }},
@@ -176,6 +177,7 @@ class CBadInput : public testing::Test {
     auto planner = sized<kelp_planner_options>();
     planner.pool_bytes = 256 << 10;
     ASSERT_KELP(kelp_planner_create(&planner, &good_.planner));
+    ASSERT_KELP(kelp_planner_copied(good_.planner));
     good_.asset = assets_.c;
     std::uint32_t all = 0;
     ASSERT_KELP(kelp_pose_get_knots(good_.pose, 0, knots, 4, &all));

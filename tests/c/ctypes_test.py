@@ -312,6 +312,7 @@ class DrawData(Column):
                                                      surface_glsl="vec4 mine = vec4(0);"))
 
     def test_passes(self):
+        self.copy()
         self.planner.add(self.asset)
         self.copy()
         self.planner.upload(1 << 20)

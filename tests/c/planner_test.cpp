@@ -31,6 +31,7 @@ struct BothPlanners {
     std::uint64_t bytes = 0;
     EXPECT_KELP(KELP_OK, kelp_planner_get_pool_bytes(c, &bytes));
     EXPECT_EQ(pool_bytes, bytes);
+    copy();
   }
   ~BothPlanners() { EXPECT_KELP(KELP_OK, kelp_planner_destroy(c)); }
   BothPlanners(const BothPlanners&) = delete;
@@ -38,7 +39,7 @@ struct BothPlanners {
 
   void add(const BothAssets& assets) const {
     EXPECT_KELP(KELP_OK, kelp_planner_add(c, assets.c));
-    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_planner_add(c, assets.c));
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_planner_add(c, assets.c));  // and its copies are not made
     cpp->add(*assets.cpp).value();
     std::uint32_t programs = 0;
     EXPECT_KELP(KELP_OK, kelp_planner_get_programs(c, assets.c, &programs));
@@ -257,7 +258,9 @@ TEST(CPlanner, MemoryIsTheHosts) {
       const kelp_copy* copies = nullptr;
       std::uint32_t count = 0;
       auto data = sized<kelp_draw_data>();
-      result = kelp_planner_add(planner, assets.c);
+      result = kelp_planner_copied(planner);
+      if (result == KELP_OK) result = kelp_planner_add(planner, assets.c);
+      if (result == KELP_OK) result = kelp_planner_copied(planner);
       if (result == KELP_OK) result = kelp_planner_upload(planner, 1 << 20, nullptr);
       if (result == KELP_OK) result = kelp_planner_get_copies(planner, &copies, &count);
       if (result == KELP_OK)
@@ -296,6 +299,7 @@ TEST(CPlanner, IsUsedByOneCallAtATime) {
     std::thread([&self] { self.expectBusy(); }).join();
   };
   ASSERT_KELP(kelp_planner_create(&options, &seen.planner));
+  ASSERT_KELP(kelp_planner_copied(seen.planner));
   kelp_view view = viewOf(viewAt(0));
   view.viewport[0] = 0;  // of which the log is told
   auto data = sized<kelp_draw_data>();

@@ -110,8 +110,12 @@ class Closed(BadInput):
 
     def test_planner(self):
         planner = kelp.Planner()
+        with self.assertRaises(kelp.Error):
+            planner.add(self.asset)  # before the first copies are made
+        planner.copies()
         planner.add(self.asset)
         self.asset.close()
+        self.assertEqual([], planner.copies())  # what they were from is gone
         self.closed(planner.draw, self.view, self.plant)
         planner.remove(self.asset)
         planner.close()
@@ -299,6 +303,7 @@ class Threads(BadInput):
                 found.append(caught.exception.code)
 
         planner = kelp.Planner(log=log)
+        planner.copies()
         planner.add(self.asset)
         planner.copies()
         self.pose.move(0, 1, (0, -3, 0))  # it is left out, of which the log is told
