@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Programs that get a gigabyte of memory and ten seconds."""
+"""Programs that get a gigabyte of memory, and a minute: one that takes longer hangs."""
 import functools
 import os
 import resource
 import subprocess
 
 GIGABYTE = 1 << 30
-SECONDS = 10
+SECONDS = 60
 
 
 @functools.lru_cache(maxsize=None)  # a program with a sanitizer has a hundred megabytes
