@@ -315,7 +315,8 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
     if (heads[k] == &unused) continue;
     const std::uint32_t arcs = block_[8 * eight + k].arcs;
-    heads[k]->segments = arcs > 0 ? kSwept | arcs : static_cast<std::uint32_t>(posed.knots[k].size() - 1);
+    heads[k]->segments =
+        arcs > 0 ? kSweptSpline | arcs : static_cast<std::uint32_t>(posed.knots[k].size() - 1);
     heads[k]->outline = outlines[k];
     finish(frame, block_[8 * eight + k], placed_[eight].nearest.of[k], *heads[k]);
   }

@@ -23,7 +23,7 @@ struct RecordHead {
   glm::vec4 eye;          // part space; w as in Projection
   glm::vec4 tint;
   glm::vec3 low;           // of the deformed bounds
-  std::uint32_t segments;  // or arcs, and kSwept
+  std::uint32_t segments;  // or arcs, and kSweptSpline
   glm::vec3 high;
   std::uint32_t levels_at;
   glm::vec3 size;
@@ -31,7 +31,7 @@ struct RecordHead {
   std::uint32_t palette, instance, part, outline;
 };
 static_assert(sizeof(RecordHead) == 13 * 16);
-inline constexpr std::uint32_t kSwept = 0x80000000u;
+inline constexpr std::uint32_t kSweptSpline = 0x80000000u;
 
 // Eight parts as the host poses them. The pointers must be valid while this is used.
 struct PosedParts {
