@@ -8,8 +8,9 @@
 
 #include <fcntl.h>
 #include <io.h>
-#include <shellapi.h>
 #include <windows.h>
+// After windows.h, whose macros it needs.
+#include <shellapi.h>
 
 #include "file_system.h"
 #include "kelp/common/console.h"
