@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a graphics API must be told to draw instances, as data: bytes to copy, records, uniforms, draw calls.
+// Drawing data for a graphics API of the host's own: bytes to copy, records, uniforms, draw calls.
 // For hosts that draw with Vulkan, Direct3D, Metal or WebGPU. runtime/DRAW_DATA.md has the frame in ten steps
 // and the state of each pass. Include kelp/kelp.h.
 //
@@ -87,10 +87,10 @@ typedef struct kelp_copy {
   const uint32_t* words;
   size_t size;  // of `words`, in bytes
 } kelp_copy;
-// What the last create, add or upload wants copied, before the calls of the next draw, even if it failed.
-// They do not overlap. Those of an asset end with its removal. *copies: *count of them. They and their words
-// are valid until the planner's next copied, add, remove or upload, or the end of the asset; the array also
-// ends with the next get_copies.
+// The copies that the last create, add or upload wants made before the calls of the next draw, even if it
+// failed. They do not overlap. Those of an asset end with its removal. *copies: *count of them. They and
+// their words are valid until the planner's next copied, add, remove or upload, or the end of the asset; the
+// array also ends with the next get_copies.
 KELP_API kelp_result kelp_planner_get_copies(kelp_planner planner, const kelp_copy** copies, uint32_t* count);
 // The copies were made: lets go of their words. The next add and upload are KELP_ERROR_MISUSE before.
 KELP_API kelp_result kelp_planner_copied(kelp_planner planner);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a graphics API must be told to draw instances of packs, as data: bytes to copy, records, uniforms,
+// Drawing data for a graphics API of the host's own: bytes to copy into a pool of voxels, records, uniforms,
 // draw calls. For hosts that draw with Vulkan, Direct3D, Metal, WebGPU; kelp::gl::Renderer is made of it.
 // runtime/DRAW_DATA.md has the frame in ten steps; shaders/BINDINGS.md the bindings of the programs.
 #pragma once
@@ -150,8 +150,8 @@ class Planner {
   // fails, the upload is tried again in the next call. kLimit: the coarsest levels of all assets do not fit;
   // those that do are drawn, so copies() is to be made then too. kMisuse: those of the call before were not.
   Result<Stats> upload(std::uint64_t max_bytes);
-  // What the last create(), add() or upload() wants copied, before the next draw()'s calls, even if it
-  // failed. The copies do not overlap. remove() leaves out those of its asset.
+  // The copies that the last create(), add() or upload() wants made before the next draw()'s calls, even if
+  // it failed. The copies do not overlap. remove() leaves out those of its asset.
   std::span<const Copy> copies() const;
   // The copies were made: lets go of their words. The next add() and upload() are kMisuse before.
   void copied();

@@ -143,7 +143,7 @@ constexpr bool replacesColors(DebugView debug) {
   return debug >= DebugView::kParts && debug <= DebugView::kLevels;
 }
 
-// What to draw, from where, how.
+// A picture to draw.
 struct View {
   Camera camera = {};
   Light light = {};

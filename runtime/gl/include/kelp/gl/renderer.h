@@ -18,7 +18,7 @@ enum class State : std::uint8_t {
   kLeave,    // nothing is restored; runtime/HOST_GUIDE.md lists what kelp changes
 };
 
-// What the pictures of all graphics APIs have in common: kelp/draw/view.h.
+// These are the same for every graphics API: kelp/draw/view.h.
 using draw::Camera, draw::ClipRange, draw::DebugView, draw::Features, draw::Light, draw::Log, draw::Output,
     draw::Pass, draw::Quality, draw::Shading, draw::Stats, draw::has, draw::operator|;
 
