@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kelp/formats/brick.h"
+#include "kelp/formats/cage.h"
 #include "kelp/formats/distance.h"
 #include "kelp/formats/error.h"
 #include "kelp/formats/model.h"
@@ -39,6 +40,17 @@ struct RawDistances {
   std::vector<std::uint8_t> codes;  // 512 a slot
 };
 
+// As CageSource (kelp/formats/cage.h).
+struct RawCage {
+  std::vector<std::uint8_t> blocks;
+  std::vector<std::uint8_t> masks;
+  std::vector<std::uint32_t> split_points;
+  std::vector<std::uint8_t> splits;
+  std::vector<std::uint32_t> follows;
+
+  CageSource source() const { return {blocks, masks, split_points, splits, follows}; }
+};
+
 // Like Fog.
 struct RawFog {
   glm::vec3 color{1};
@@ -62,6 +74,9 @@ struct RawPart {
   // Finest first: distanceLevels() of them for every solid part of the pack, or none for any.
   std::vector<RawDistances> distances;
   std::optional<RawFog> fog;  // set: the part is fog
+  // Finest first: cageCount() of them, or none. cell: side of the finest one's cells: 2, 4, 8 or 16.
+  int cell = 0;
+  std::vector<RawCage> cages;
 };
 
 struct RawTrack {

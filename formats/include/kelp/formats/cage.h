@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+// A cage: a lattice around a part's solid whose nodes anything may move. Space between the nodes follows, and
+// the voxels with it. formats/SPEC.md, section 4.9, defines it; shaders/METHOD.md explains how rays cross it.
+//
+//   cell         A cube of side^3 level-0 voxels that holds solid voxels, once for each piece of solid in it.
+//   node         A corner of cells. Where pieces do not touch, one place at rest has several nodes.
+//   inside       A cube that is wholly solid, and so is all around it: no cell. A ray that would enter it
+//                has hit the solid.
+//   tetrahedron  A cell has six, cut along its diagonal from corner 0 to corner 7. The order (a, b, c) of
+//                the axes names one: its corners are 0, a, a + b, a + b + c = 7, and at rest it is where
+//                f[a] >= f[b] >= f[c] for coordinates f in the cell, 0 to 1. The orders in ascending order,
+//                xyz xzy yxz yzx zxy zyx, are tetrahedra 0 .. 5.
+//   face         0 is opposite corner 0 and lies in the cell's high face along a; 1 and 2 are within the
+//                cell; 3 is opposite corner 7 and lies in the cell's low face along c.
+//
+// In memory a cage is 32-bit words, the same on the CPU and on the GPU, where a renderer copies them to:
+//   0            cells
+//   1            nodes
+//   2            faces
+//   3            binary logarithm of the side | finest level that it serves << 8 | coarsest << 16
+//   4 ..         16 words for each cell, in Morton order of their place, then in the order of pieces:
+//                  0        its place: x | y << 8 | z << 16, in sides
+//                  1        where its masks begin, counted from word 0 of the cage; 0: it is the only piece
+//                  2 .. 9   its nodes; corner i is at x + (i & 1), y + (i >> 1 & 1), z + (i >> 2)
+//                  10 .. 15 the cell beyond its faces -x, +x, -y, +y, -z, +z; kCageOutside: there is none;
+//                           kCageInside: the solid goes on, without a cell
+//   then         for each boundary face of a tetrahedron, that is one beyond which there is no cell:
+//                cell << 5 | tetrahedron << 2 | face
+//   then         masks: for each level that the cage serves, finest first, a bit for each of its voxels in
+//                the cell, x fastest, then y, then z, 32 to a word: 1 if the voxel belongs to this piece
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+#include "kelp/formats/buffer.h"
+#include "kelp/formats/error.h"
+
+namespace kelp {
+
+inline constexpr std::uint32_t kCageHeader = 4;      // words before the cells
+inline constexpr std::uint32_t kCageCellWords = 16;  // of a cell
+inline constexpr std::uint32_t kCageOutside = 0xffffffffu, kCageInside = 0xfffffffeu;
+inline constexpr int kMostCageCells = 256;            // along an axis
+inline constexpr std::uint8_t kInsideBlock = 255;     // in CageSource::blocks
+inline constexpr int kMostPieces = kInsideBlock - 1;  // in a cell's cube
+inline constexpr std::uint32_t kMaxCells = 1u << 27;  // of a cage
+
+// The side of the cells in which a level is bent, in level-0 voxels. cell: that of level 0: 2, 4, 8 or 16.
+// Coarser levels have coarser cells, so that four of their voxels fit along one. Several levels may share a
+// cage.
+constexpr int cageSide(int cell, int level) { return level == 0 ? cell : std::max(cell, 4 << level); }
+// Of a part with so many levels: how many cages it has; which of them, finest first, serves a level; the
+// finest level that a cage serves.
+constexpr int cageOfLevel(int cell, int level) {
+  int cage = 0;
+  for (int l = 1; l <= level; ++l) cage += cageSide(cell, l) != cageSide(cell, l - 1);
+  return cage;
+}
+constexpr int cageCount(int cell, int levels) { return cageOfLevel(cell, levels - 1) + 1; }
+constexpr int firstLevelOfCage(int cell, int cage) {
+  int level = 0;
+  while (cageOfLevel(cell, level) < cage) ++level;
+  return level;
+}
+// Number of cells along each axis.
+constexpr glm::ivec3 cageGrid(const glm::ivec3& size, int side) {
+  return {(size.x + side - 1) / side, (size.y + side - 1) / side, (size.z + side - 1) / side};
+}
+
+// What a file holds of a cage, and what a baker makes. Everything else follows: makeCage().
+struct CageSource {
+  // One for each cube of the grid, x fastest, then y, then z: 0: no solid; 1 .. 254: so many pieces, each a
+  // cell; kInsideBlock.
+  std::span<const std::uint8_t> blocks;
+  // For each cube of several pieces, in Morton order, for each piece: a bit for each voxel of the finest
+  // level that the cage serves, x fastest, then y, then z, the lowest bit of a byte first: 1 if it is of that
+  // piece. (side >> level)^3 / 8 bytes.
+  std::span<const std::uint8_t> masks;
+  // The points of the lattice at which not all corners of cells are one node, ascending: x + (grid.x + 1) (y
+  // + (grid.y + 1) z). And for each, one number for each corner of a cell there, in the order of cells and
+  // their corners: 0, 1, ... in the order of first occurrence. Corners with the same number are one node.
+  std::span<const std::uint32_t> split_points;
+  std::span<const std::uint8_t> splits;
+  // Of coarser cages: for each node the cell of the next finer cage that it moves with: cageFollows().
+  std::span<const std::uint32_t> follows;
+};
+
+// A cage in memory. The spans lie in memory that the Pack owns, or a CageMemory.
+struct Cage {
+  int side = 0;                           // of a cell, level-0 voxels
+  int first_level = 0, last_level = 0;    // that it serves, finest and coarsest
+  glm::ivec3 grid{0};                     // cells along each axis
+  std::span<const std::uint32_t> words;   // as above
+  std::span<const std::uint32_t> places;  // one a node: where the lattice is: x | y << 10 | z << 20, in sides
+  std::span<const std::uint32_t> follows;  // as in CageSource
+
+  std::uint32_t cells() const { return words[0]; }
+  std::uint32_t nodes() const { return words[1]; }
+  std::uint32_t faces() const { return words[2]; }
+  // kCageCellWords words.
+  const std::uint32_t* cell(std::uint32_t i) const { return &words[kCageHeader + kCageCellWords * i]; }
+  std::uint32_t face(std::uint32_t i) const { return words[kCageHeader + kCageCellWords * cells() + i]; }
+  glm::ivec3 place(std::uint32_t cell) const { return unpack(this->cell(cell)[0], 8); }
+  // Where a node is at rest, level-0 voxels.
+  glm::ivec3 rest(std::uint32_t node) const { return side * unpack(places[node], 10); }
+
+ private:
+  static glm::ivec3 unpack(std::uint32_t word, int bits) {
+    const std::uint32_t mask = (1u << bits) - 1;
+    return {static_cast<int>(word & mask), static_cast<int>(word >> bits & mask),
+            static_cast<int>(word >> (2 * bits) & mask)};
+  }
+};
+
+struct CageMemory {
+  CageMemory() = default;
+  explicit CageMemory(const Allocator& allocator) : words(allocator), places(allocator) {}
+
+  Buffer<std::uint32_t> words, places;
+};
+
+// Which of the six permutations: the corners of tetrahedron t as bits, in their order: 0, a, a + b, 7.
+struct CageTetrahedron {
+  int axes[3];
+  int corners[4];
+};
+inline constexpr CageTetrahedron kCageTetrahedra[6] = {{{0, 1, 2}, {0, 1, 3, 7}}, {{0, 2, 1}, {0, 1, 5, 7}},
+                                                       {{1, 0, 2}, {0, 2, 3, 7}}, {{1, 2, 0}, {0, 2, 6, 7}},
+                                                       {{2, 0, 1}, {0, 4, 5, 7}}, {{2, 1, 0}, {0, 4, 6, 7}}};
+
+// Four nodes of the finer cage and their weights, which sum to 1: where a node of a coarser cage goes. It is
+// the point of the finer cell's nearest tetrahedron, extended beyond it, that is at the node's place at rest.
+struct CageFollow {
+  std::uint32_t nodes[4];
+  float weights[4];
+};
+CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer);
+
+// Makes the cage that `source` describes, in `memory`. size: of the part, level-0 voxels. levels: of the
+// part. cage: its number, finest first. finer: the next finer one; null for the finest. max_bytes: of what it
+// takes in memory. kCorrupt, with a text, for what breaks the rules of SPEC.md 4.9; kLimit; kOutOfMemory.
+// Safe for hostile sources: counts are checked before memory is taken.
+Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int levels, int cell, int cage,
+                      const Cage* finer, std::uint64_t max_bytes, CageMemory& memory);
+
+}  // namespace kelp
