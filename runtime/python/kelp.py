@@ -1051,7 +1051,7 @@ class Pose(_Object):
         self._change("set_knots", part, array.ctypes.data, len(array))
 
     def nodes(self, part: int) -> Array:
-        """Where the nodes of the part's finest cage are, a copy: (n, 3) voxels in part space; (0, 3) without a
+        """Where the nodes of the part's finest cage are, a copy: (n, 3) voxels in part space. (0, 3) without a
         cage."""
         return _counted(lambda *to: self._read("get_nodes", part, *to), np.dtype((np.float32, 3)))
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "kelp/cages/posed_cage.h"
+#include "kelp/fields/cages.h"
 #include "loaded.h"
-#include "support/naive_cages.h"
 
 namespace kelp::runtime {
 
@@ -30,7 +30,9 @@ struct CagedAsset {
   static RawPack packOf(const fields::Occupancy& of, int cell, Bend bend, std::vector<Knot> knots) {
     RawPack pack = test::packOf(of, std::move(knots));
     pack.parts[0].bend = bend;
-    test::addNaiveCages(pack.parts[0], cell, test::solidOf(pack.parts[0]));
+    RawPart& part = pack.parts[0];
+    part.cell = cell;
+    part.cages = fields::buildCages(fields::SolidBits(of, 1), static_cast<int>(part.levels.size()), cell);
     return pack;
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A pose: where the knots of every part are now, and the nodes of parts with cages. Add clips to it, move its knots, blend it with others. Use a
-// pose on one thread at a time. Include kelp/kelp.h.
+// A pose: where the knots of every part are now, and the nodes of parts with cages. Add clips to it, move its
+// knots, blend it with others. Use a pose on one thread at a time. Include kelp/kelp.h.
 #ifndef KELP_C_POSE_H
 #define KELP_C_POSE_H
 
