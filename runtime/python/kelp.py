@@ -1002,7 +1002,7 @@ class _Nodes:
 
 
 class Pose(_Object):
-    """Where the knots of every part of an asset are now, and the nodes of parts with cages; at rest when it is
+    """Where the knots of every part of an asset are now, and the nodes of parts with cages. At rest when
     made."""
 
     _kind = "pose"
@@ -1051,8 +1051,8 @@ class Pose(_Object):
         self._change("set_knots", part, array.ctypes.data, len(array))
 
     def nodes(self, part: int) -> Array:
-        """Where the nodes of the part's finest cage are, a copy: (n, 3) voxels in part space. (0, 3) without a
-        cage."""
+        """Where the nodes of the part's finest cage are, a copy: (n, 3) voxels in part space. (0, 3) without
+        a cage."""
         return _counted(lambda *to: self._read("get_nodes", part, *to), np.dtype((np.float32, 3)))
 
     def write_nodes(self, part: int) -> Array:

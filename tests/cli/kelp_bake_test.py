@@ -220,7 +220,8 @@ class KelpBake(unittest.TestCase):
         self.fails(1, self.cube, "-o", self.out, "--bend", "twist",
                    says=["--bend twist", "shear, sweep or cage"])
         for cell in ("0", "1", "3", "32", "-8", "2147483648", "eight"):
-            self.fails(1, self.cube, "-o", self.out, "--bend", "cage", "--cell", cell, says=["--cell " + cell])
+            self.fails(1, self.cube, "-o", self.out, "--bend", "cage", "--cell", cell,
+                       says=["--cell " + cell])
         for size in ("lots", "0", "-1", "nan", "inf", "-4G", "1e300G", "4X", "NaNG"):
             self.fails(1, self.cube, "-o", self.out, "--max-memory", size, says=["--max-memory " + size])
         for number in (
