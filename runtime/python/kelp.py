@@ -380,8 +380,8 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "pose_get_parts": (_Handle, _p(c_int32)),
     "pose_fits": (_Handle, _Handle, _p(c_uint32)),
     "pose_get_knots": (_Handle, c_int32, c_void_p, c_uint32, _p(c_uint32)),
-    "pose_get_nodes": (_Handle, c_int32, c_void_p, c_uint32, _p(c_uint32)),
-    "pose_write_nodes": (_Handle, c_int32, _p(c_void_p), _p(c_uint32)),
+    "pose_get_nodes": (_Handle, c_int32, _p(c_float), c_uint32, _p(c_uint32)),
+    "pose_write_nodes": (_Handle, c_int32, _p(_p(c_float)), _p(c_uint32)),
     "pose_set_knots": (_Handle, c_int32, c_void_p, c_uint32),
     "pose_move": (_Handle, c_int32, c_int32, _Floats),
     "pose_set_tangent": (_Handle, c_int32, c_int32, _Floats),
@@ -1053,17 +1053,21 @@ class Pose(_Object):
     def nodes(self, part: int) -> Array:
         """Where the nodes of the part's finest cage are, a copy: (n, 3) voxels in part space. (0, 3) without
         a cage."""
-        return _counted(lambda *to: self._read("get_nodes", part, *to), np.dtype((np.float32, 3)))
+        count = c_uint32()
+        self._read("get_nodes", part, None, 0, byref(count))
+        nodes = np.zeros((count.value, 3), np.float32)
+        self._read("get_nodes", part, _floats(nodes), count.value, byref(count))
+        return nodes
 
     def write_nodes(self, part: int) -> Array:
         """The same nodes, to write: (n, 3). From now on they are where you put them, and the knots no longer
         move them, until reset(). Call it again before each round of writing: it tells the pose that nodes
         change."""
-        address, count = c_void_p(), c_uint32()
-        self._change("write_nodes", part, byref(address), byref(count))
+        first, count = _p(c_float)(), c_uint32()
+        self._change("write_nodes", part, byref(first), byref(count))
         if not count.value:
             return np.zeros((0, 3), np.float32)
-        memory = _Nodes(self, address.value or 0, count.value)
+        memory = _Nodes(self, ctypes.addressof(first.contents), count.value)
         self._nodes.add(memory)
         return np.asarray(memory)
 

@@ -173,21 +173,21 @@ class Poses(Column):
         self.assertEqual((0, 3), self.pose.nodes(0).shape)
         self.assertEqual((0, 3), self.pose.write_nodes(0).shape)
         with kelp.Asset(CAGED) as asset:
-            pose = kelp.Pose(asset)
-            rest = pose.nodes(0)
+            comb, pose = asset.find_part("comb"), kelp.Pose(asset)
+            rest = pose.nodes(comb)
             self.assertEqual((np.float32, 2, 3), (rest.dtype, rest.ndim, rest.shape[1]))
-            nodes = pose.write_nodes(0)
+            nodes = pose.write_nodes(comb)
             self.near(nodes, rest, 0)
             nodes[:, 0] += 5
-            self.near(pose.nodes(0), rest + (5, 0, 0), 0)
+            self.near(pose.nodes(comb), rest + (5, 0, 0), 0)
             pose.check()
-            pose.write_nodes(0)[1, 2] = math.nan
+            pose.write_nodes(comb)[1, 2] = math.nan
             with self.assertRaises(kelp.Error) as caught:
                 pose.check()
-            self.assertEqual((kelp.Result.MISUSE, 0, kelp.Unit.PART),
+            self.assertEqual((kelp.Result.MISUSE, comb, kelp.Unit.PART),
                              (caught.exception.code, caught.exception.offset, caught.exception.unit))
             pose.reset()
-            self.near(nodes, pose.nodes(0), 0)
+            self.near(nodes, pose.nodes(comb), 0)
             with self.assertRaises(kelp.Error) as caught:
                 pose.close()  # the array needs it
             self.assertEqual(kelp.Result.BUSY, caught.exception.code)
@@ -198,7 +198,7 @@ class Poses(Column):
             del part
             gc.collect()
             pose.close()
-            array = kelp.Pose(asset).write_nodes(0)  # keeps the pose
+            array = kelp.Pose(asset).write_nodes(comb)  # keeps the pose
             gc.collect()
             self.near(array, rest, 0)
 
