@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include <glm/common.hpp>
+
 #include "kelp/fields/fields.h"
 #include "kelp/formats/brick.h"
 #include "volumes.h"
