@@ -308,32 +308,5 @@ TEST(Cage, WrongSourcesAreRefused) {
   EXPECT_TRUE(refuses(coarser, {8, 8, 8}, 4, &finer.cage));
 }
 
-// Cages come and go with the rigs: as if the pack had been written that way.
-TEST(Cage, OtherCagesReplaceIt) {
-  const RawPack caged = test::makeTinyCagePack();
-  RawPack plain = caged;
-  for (RawPart& part : plain.parts) part.cell = 0, part.cages.clear();
-  for (const bool joints : {false, true}) {
-    const auto bytesOf = [joints](RawPack pack) {
-      if (joints) pack.joints = {{"hip", -1, glm::mat4x3(1), {0}}};
-      return test::writeToMemory(pack);
-    };
-    for (const bool to_caged : {false, true}) {
-      const std::vector<std::byte> from = bytesOf(to_caged ? plain : caged);
-      RawRigs rigs{caged.info_json, {}, caged.clips, caged.sockets, std::vector<RawCages>()};
-      for (const RawPart& part : caged.parts) {
-        rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at, part.bend, part.roll});
-        rigs.cages->push_back(to_caged ? RawCages{part.cell, part.cages} : RawCages{});
-      }
-      MemorySource source(from);
-      std::vector<std::byte> to;
-      ASSERT_TRUE(writeRigs(source.source(), rigs, Sink::into(to)));
-      EXPECT_EQ(to, bytesOf(to_caged ? caged : plain));
-      rigs.cages->pop_back();
-      EXPECT_EQ(writeRigs(source.source(), rigs, Sink::into(to)).error().code, ErrorCode::kMisuse);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace kelp
