@@ -208,6 +208,15 @@ int kelpRecordEnd() {
 #define KELP_ARC(i) kelpArcOf(kelpArcsAt(), i)
 #define KELP_JOINT_PLANE(i) kelpRecord(kelpJointsAt() + 2 * (i))
 #define KELP_JOINT(i) kelpJointOf(kelpJointsAt(), i)
+#define KELP_CAGED false
+#define KELP_CAGE_WORD(i) kelpWord(i)
+#define KELP_NODE(i) kelpRecord(int(i)).xyz
+#define KELP_CAGE_LOW(i) kelpRecord(2 * (i)).xyz
+#define KELP_CAGE_HIGH(i) kelpRecord(2 * (i) + 1).xyz
+#define KELP_CAGE_LEAVES 0
+#define KELP_CAGE_FOLD_LOW vec3(1.0)
+#define KELP_CAGE_FOLD_HIGH vec3(0.0)
+#define KELP_LEAF_CELLS 2
 #define KELP_BOUNDS_MIN kelp_bounds_min
 #define KELP_BOUNDS_MAX kelp_bounds_max
 #define KELP_SIZE kelp_size
