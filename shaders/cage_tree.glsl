@@ -1,26 +1,40 @@
 // SPDX-License-Identifier: MIT
-// Rays through caged parts from anywhere, by the tree over their cells, after cage.glsl; and kelpTrace, for
-// parts of any kind.
+// Rays through caged parts from anywhere, by the tree over their cells, after cage.glsl; normals and motion
+// of hits; and kelpTrace, for parts of any kind.
 
-// Where a ray is in a tetrahedron, and the faces by which it enters and leaves.
+// The word of a cell that tells what is beyond a face of a tetrahedron, 0 or 3.
+KELP_FN uint kelpBeyond(KELP_CONTEXT_ uint at, ivec3 axes, int face) {
+  return KELP_CAGE_WORD(at + 10u + (face == 0 ? uint(2 * axes.x + 1) : uint(2 * axes.z)));
+}
+
+// What a ray must cross of a tetrahedron to tell where it comes from, of the tetrahedron's length there.
+#define KELP_CAGE_SHORT 0.05f
+
+// Where a ray is in a tetrahedron, the faces by which it enters and leaves, and where it is in one that is
+// larger by a slack.
 struct KelpCrossing {
-  float s0;
-  float s1;
+  vec2 s;
+  vec2 grown;
   int entry;
   int exit;
 };
-KELP_FN KelpCrossing kelpCrossFace(KelpCrossing before, int face, float f, float slope) {
+KELP_FN KelpCrossing kelpCrossFace(KelpCrossing before, int face, float f, float slope, float slack) {
   KelpCrossing c = before;
+  if (slope == 0.0f) {
+    if (f < -slack) c.grown = vec2(KELP_NEVER, -KELP_NEVER);
+    return c;
+  }
   float s = -f / slope;
-  if (slope > 0.0f && s > c.s0) {
-    c.s0 = s;
-    c.entry = face;
+  float more = slack / abs(slope);
+  if (slope > 0.0f) {
+    if (s > c.s.x) c.entry = face;
+    c.s = vec2(max(c.s.x, s), c.s.y);
+    c.grown = vec2(max(c.grown.x, s - more), c.grown.y);
+  } else {
+    if (s < c.s.y) c.exit = face;
+    c.s = vec2(c.s.x, min(c.s.y, s));
+    c.grown = vec2(c.grown.x, min(c.grown.y, s + more));
   }
-  if (slope < 0.0f && s < c.s1) {
-    c.s1 = s;
-    c.exit = face;
-  }
-  if (slope == 0.0f && f < 0.0f) c.s1 = -KELP_NEVER;
   return c;
 }
 
@@ -55,33 +69,37 @@ KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, vec3 o, vec3 r, ve
   float from = in_box.x;
   vec3 p = o + from * r;
   float start = s_min - from;
-  float slack = KELP_CAGE_SLACK / float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  float slack = KELP_CAGE_SLACK / side;
   for (int number = 0; number < 6; ++number) {
     KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, p, r);
     KelpCrossing c;
-    c.s0 = -KELP_NEVER;
-    c.s1 = KELP_NEVER;
+    c.s = vec2(-KELP_NEVER, KELP_NEVER);
+    c.grown = c.s;
     c.entry = -1;
     c.exit = -1;
     float more = slack * g.det;
-    c = kelpCrossFace(c, 0, g.f.x + more, g.slope.x);
-    c = kelpCrossFace(c, 1, g.f.y + more, g.slope.y);
-    c = kelpCrossFace(c, 2, g.f.z + more, g.slope.z);
-    c = kelpCrossFace(c, 3, g.f.w + more, g.slope.w);
-    if (g.turned || !(c.s0 <= c.s1 && c.s1 >= start)) continue;
-    bool from_inside = c.s0 > start && (c.entry == 0 || c.entry == 3) &&
+    c = kelpCrossFace(c, 0, g.f.x, g.slope.x, more);
+    c = kelpCrossFace(c, 1, g.f.y, g.slope.y, more);
+    c = kelpCrossFace(c, 2, g.f.z, g.slope.z, more);
+    c = kelpCrossFace(c, 3, g.f.w, g.slope.w, more);
+    if (g.turned || !(c.grown.x <= c.grown.y && c.grown.y >= start)) continue;
+    bool from_inside = c.s.x > start && (c.entry == 0 || c.entry == 3) &&
                        kelpBeyond(KELP_CONTEXT at, g.axes, c.entry) == KELP_CAGE_INSIDE;
-    float s0 = max(c.s0, start);
-    if (from_inside && from + s0 < found.emerges) {
-      found.emerges = from + s0;
+    if (from_inside && from + c.s.x < found.emerges) {
+      found.emerges = from + c.s.x;
       found.from_cell = cell;
       found.from_tetrahedron = number;
       found.from_face = c.entry;
     }
-    if (!from_inside) found.first = min(found.first, from + s0);
-    vec2 range = vec2(s0, min(c.s1, found.hit.s - from));
+    // Where it is in the tetrahedron for a while, and does not just graze its corner.
+    vec4 speed = abs(g.slope);
+    float least = KELP_CAGE_SHORT * g.det / max(max(speed.x, speed.y), max(speed.z, speed.w));
+    if (!from_inside && ((c.s.x <= start && c.s.y > start) || c.grown.y - max(c.grown.x, start) > least))
+      found.first = min(found.first, from + max(c.s.x, start));
+    vec2 range = vec2(max(c.grown.x, start), min(c.grown.y, found.hit.s - from));
     if (!(range.x <= range.y)) continue;
-    bool enters = range.y == c.s1 && (c.exit == 0 || c.exit == 3) &&
+    bool enters = range.y == c.grown.y && (c.exit == 0 || c.exit == 3) &&
                   kelpBeyond(KELP_CONTEXT at, g.axes, c.exit) == KELP_CAGE_INSIDE;
     ++found.hit.clips;
     found.hit = kelpMarchTetrahedron(KELP_CONTEXT g, cell, from, range, enters ? c.exit : -1, found.hit);
@@ -160,6 +178,67 @@ KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
   hit.room = 0.0;
 #endif
   return hit;
+}
+
+// The coordinates of a hit in its cell, 0 to 1.
+KELP_FN vec3 kelpPlaceInCell(KELP_CONTEXT_ KelpHit hit) {
+  uint place = KELP_CAGE_WORD(kelpCageCell(uint(hit.segment) >> 3u));
+  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  vec3 corner = vec3(float(place & 255u), float((place >> 8u) & 255u), float((place >> 16u) & 255u));
+  return clamp(hit.rest / side - corner, vec3(0.0f), vec3(1.0f));
+}
+// How far two nodes of an edge of a cell along `axis` are apart, in the mean of its four edges there, by
+// their coordinates across: those along the next axis and the one after it.
+KELP_FN vec3 kelpAlongCell(KELP_CONTEXT_ uint at, int axis, float v, float w) {
+  uint a = 1u << uint(axis);
+  uint b = axis == 2 ? 1u : 2u * a;
+  uint c = 7u - a - b;
+  uint n = at + 2u;
+  vec3 e0 = KELP_NODE(KELP_CAGE_WORD(n + a)) - KELP_NODE(KELP_CAGE_WORD(n));
+  vec3 eb = KELP_NODE(KELP_CAGE_WORD(n + a + b)) - KELP_NODE(KELP_CAGE_WORD(n + b));
+  vec3 ec = KELP_NODE(KELP_CAGE_WORD(n + a + c)) - KELP_NODE(KELP_CAGE_WORD(n + c));
+  vec3 e7 = KELP_NODE(KELP_CAGE_WORD(n + 7u)) - KELP_NODE(KELP_CAGE_WORD(n + b + c));
+  return mix(mix(e0, eb, v), mix(ec, e7, v), w);
+}
+// The same, gone over to the neighbor's towards the face that they share.
+KELP_FN vec3 kelpAcrossCells(KELP_CONTEXT_ uint at, int axis, float u, float v, float w) {
+  vec3 own = kelpAlongCell(KELP_CONTEXT at, axis, v, w);
+  uint beside = KELP_CAGE_WORD(at + 10u + uint(2 * axis + (u > 0.5f ? 1 : 0)));
+  if (beside >= KELP_CAGE_INSIDE) return own;
+  return mix(own, kelpAlongCell(KELP_CONTEXT kelpCageCell(beside), axis, v, w), abs(u - 0.5f));
+}
+// The normal in part space, up to length, of a surface whose normal at rest is n: n times the cofactors of
+// the map's derivative, which is blended between cells, so that no facets show.
+KELP_FN vec3 kelpCageNormal(KELP_CONTEXT_ KelpHit hit, vec3 n) {
+  uint at = kelpCageCell(uint(hit.segment) >> 3u);
+  vec3 f = kelpPlaceInCell(KELP_CONTEXT hit);
+  vec3 x = kelpAcrossCells(KELP_CONTEXT at, 0, f.x, f.y, f.z);
+  vec3 y = kelpAcrossCells(KELP_CONTEXT at, 1, f.y, f.z, f.x);
+  vec3 z = kelpAcrossCells(KELP_CONTEXT at, 2, f.z, f.x, f.y);
+  vec3 bent = cross(y, z) * n.x + cross(z, x) * n.y + cross(x, y) * n.z;
+  return dot(bent, bent) > 0.0f ? bent : n;
+}
+// The direction at rest, up to length, of a direction in part space.
+KELP_FN vec3 kelpCageRestDirection(KELP_CONTEXT_ KelpHit hit, vec3 r) {
+  uint at = kelpCageCell(uint(hit.segment) >> 3u);
+  KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, hit.segment & 7, vec3(0.0f), r);
+  return kelpCellPlace(g.axes, g.slope);
+}
+// The nodes of the hit's tetrahedron, and what share each has of the hit: where these nodes were in another
+// pose tells where the hit was.
+KELP_FN uvec4 kelpCageCorners(KELP_CONTEXT_ KelpHit hit) {
+  uint at = kelpCageCell(uint(hit.segment) >> 3u);
+  ivec3 axes = kelpTetrahedronAxes(hit.segment & 7);
+  return uvec4(KELP_CAGE_WORD(at + 2u), KELP_CAGE_WORD(at + 2u + (1u << uint(axes.x))),
+               KELP_CAGE_WORD(at + 9u - (1u << uint(axes.z))), KELP_CAGE_WORD(at + 9u));
+}
+KELP_FN vec4 kelpCageShares(KELP_CONTEXT_ KelpHit hit) {
+  vec3 f = kelpPlaceInCell(KELP_CONTEXT hit);
+  ivec3 axes = kelpTetrahedronAxes(hit.segment & 7);
+  float fa = axes.x == 0 ? f.x : (axes.x == 1 ? f.y : f.z);
+  float fb = axes.y == 0 ? f.x : (axes.y == 1 ? f.y : f.z);
+  float fc = axes.z == 0 ? f.x : (axes.z == 1 ? f.y : f.z);
+  return vec4(1.0f - fa, fa - fb, fb - fc, fc);
 }
 
 // The first solid voxel along o + s r, s in [s_min, s_max]. r is a unit vector. The nearer o is to the
