@@ -121,7 +121,10 @@ KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
   found.from_face = 0;
   vec3 fold_low = KELP_CAGE_FOLD_LOW;
   vec3 fold_high = KELP_CAGE_FOLD_HIGH;
-  if (fold_low.x <= fold_high.x) found.first = -KELP_NEVER;  // nothing can be said of the inside
+  vec3 begin = o + s_min * r;
+  vec3 beside = max(KELP_BOUNDS_MIN - begin, begin - KELP_BOUNDS_MAX);
+  // It cannot begin inside, or nothing can be said of that.
+  if (max(beside.x, max(beside.y, beside.z)) > 0.0f || fold_low.x <= fold_high.x) found.first = -KELP_NEVER;
   vec3 per = kelpPerDirection(r);
   int leaves = KELP_CAGE_LEAVES;
   uint cells = KELP_CAGE_WORD(0u);
