@@ -247,7 +247,7 @@ void voxelizePart(Job& job, std::size_t index, PartNotices& notices) {
   for (const RigDescription::Socket& socket : part.rig.sockets) line.sockets.push_back(socket.name);
   line.parent_at = part.rig.parent_at;
   line.swept = part.rig.bend == Bend::kSweep;
-  line.caged = part.rig.caged;
+  line.caged = part.rig.caged && !part.isEmpty();
   line.roll = part.rig.roll;
   if (part.parent >= 0) line.parent = job.model.parts[static_cast<std::size_t>(part.parent)].name;
   if (part.fog) return reportFog(part, line);

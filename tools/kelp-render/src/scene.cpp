@@ -144,6 +144,7 @@ Rebent::Rebent(const std::string& path, const Source& source, Bend bend, bool ca
     if (caged && part.kind == PartKind::kSolid)
       (*rigs.cages)[rigs.parts.size()] = cagesOf(path, pack, static_cast<int>(rigs.parts.size()));
     RawRig& rest = rigs.parts.emplace_back(rawRig(part));
+    if (caged && part.kind != PartKind::kSolid) continue;
     rest.bend = bend;
     if (bend == Bend::kShear) rest.roll = 0;
     try {

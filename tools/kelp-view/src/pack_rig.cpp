@@ -91,7 +91,7 @@ bool alike(const PackRig& a, const PackRig& b) {
   for (std::size_t part = 0; part < a.parts.size(); ++part) {
     const RawRig &r = a.parts[part], &s = b.parts[part];
     if (r.automatic_tangents != s.automatic_tangents || !near(r.parent_at, s.parent_at) || r.bend != s.bend ||
-        !near(r.roll, s.roll) ||
+        r.caged != s.caged || !near(r.roll, s.roll) ||
         !std::equal(r.knots.begin(), r.knots.end(), s.knots.begin(), s.knots.end(),
                     [&](const Knot& k, const Knot& l) {
                       return near(k.at, l.at) && near(k.position, l.position, kAlike) &&

@@ -82,9 +82,10 @@ void shareWaves(RigDescription::Clip& clip, int after, float share) {
 
 bool movesKnot(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
-void bendAs(RigDescription& rig, Bend bend) {
+void bendAs(RigDescription& rig, Bend bend, bool caged) {
   rig.bend = bend;
-  if (bend == Bend::kShear) rig.roll = 0, rig.caged = false;
+  rig.caged = caged;
+  if (bend == Bend::kShear) rig.roll = 0;
 }
 
 void insertKnot(RigDescription& rig, int after) {

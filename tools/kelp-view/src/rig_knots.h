@@ -9,8 +9,8 @@ namespace kelp::view {
 
 bool movesKnot(Target target);
 
-// A part that becomes sheared loses its roll.
-void bendAs(RigDescription& rig, Bend bend);
+// A part that becomes sheared loses its roll. caged: with a cage; the bend is kSweep then.
+void bendAs(RigDescription& rig, Bend bend, bool caged = false);
 
 // Adds a knot on the spline, half way between `after` and the next, with waves of its own, so that the motion
 // stays the same. It gets no keys.

@@ -75,14 +75,16 @@ void drawKnot(Draft& draft, int index) {
 }
 
 void drawBend(Draft& draft) {
-  constexpr const char* kBends[] = {"shear", "sweep"};  // as kelp::Bend
-  int bend = static_cast<int>(draft.rig.bend.value_or(kDefaultBend));
-  if (choose("bend", bend, kBends, 2, 82)) {
-    bendAs(draft.rig, static_cast<Bend>(bend));
+  constexpr const char* kBends[] = {"shear", "sweep", "cage"};  // as kelp::Bend, and one more
+  constexpr int kCage = 2;
+  int bend = draft.rig.caged ? kCage : static_cast<int>(draft.rig.bend.value_or(kDefaultBend));
+  if (choose("bend", bend, kBends, 3, 82)) {
+    bendAs(draft.rig, bend == kCage ? Bend::kSweep : static_cast<Bend>(bend), bend == kCage);
     draft.changed = true;
   }
   tip("shear: layers across the axis stay level, and the spline must rise. sweep: they stay perpendicular to "
-      "the spline, which may turn back and curl.");
+      "the spline, which may turn back and curl. cage: as sweep, through a lattice of nodes; cages come and "
+      "go when the model is baked.");
   if (draft.rig.bend != Bend::kSweep) return;
   ImGui::SameLine();
   float roll = static_cast<float>(rollInDegrees(draft.rig.roll));
