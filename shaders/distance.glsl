@@ -16,7 +16,7 @@ vec3 kelp_distance_size;   // of the part, level-0 voxels
 void kelpLoadDistances() {
   uvec4 volume = kelpRecordBits(kelp_record + 11);
   kelp_distance_levels = min(int(volume.w >> 24u), KELP_MAX_LEVELS);
-  kelp_distances_at = kelpRecordBits(kelp_record + 10).w + 3u * ((volume.w >> 16u) & 255u);
+  kelp_distances_at = kelpRecordBits(kelp_record + 10).w + 4u * ((volume.w >> 16u) & 255u);
   kelp_distance_size = uintBitsToFloat(volume.xyz);
 }
 
@@ -95,7 +95,7 @@ struct KelpDistances {
 };
 // False: it is not in the pool.
 bool kelpDistancesOf(int level, out KelpDistances d) {
-  uint table = kelp_distances_at + 3u * uint(level);
+  uint table = kelp_distances_at + 4u * uint(level);
   uint grid = kelpWord(table + 2u);
   d.cells = kelpWord(table);
   d.pages = kelpWord(table + 1u);

@@ -330,8 +330,8 @@ TEST_P(LateBuffersTest, WithoutItsTableALevelIsDrawnAsTheNextCoarserOne) {
   expected.emplace_back(expected[0].size());       // without any table: nothing
   const std::uint32_t tables = from.record(10).w;  // of the only record
   for (int level = 0; level < levels; ++level) {
-    for (std::uint32_t word = 0; word < 3; ++word)
-      from.setWord(tables + 3 * static_cast<std::uint32_t>(level) + word, 0);
+    for (std::uint32_t word = 0; word < 4; ++word)
+      from.setWord(tables + 4 * static_cast<std::uint32_t>(level) + word, 0);
     EXPECT_EQ(draw(0), expected[static_cast<std::size_t>(level) + 1]) << level;
     EXPECT_NE(expected[static_cast<std::size_t>(level)], expected[static_cast<std::size_t>(level) + 1]);
   }

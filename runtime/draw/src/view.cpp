@@ -6,6 +6,7 @@
 
 #include "detail.h"
 #include "placing.h"
+#include "record_cage.h"
 #include "record_spline.h"
 
 namespace kelp::draw {
@@ -27,7 +28,7 @@ bool isGood(const Quality& quality) {
 Result<void> checkView(const View& view, Features features) {
   const Camera& camera = view.camera;
   if (camera.viewport.x < 0 || camera.viewport.y < 0 || camera.clip_range > ClipRange::kZeroToOne ||
-      view.output > Output::kDisplay || view.debug > DebugView::kSplines)
+      view.output > Output::kDisplay || view.debug > DebugView::kCages)
     return Error{ErrorCode::kMisuse,
                  "the view has a negative viewport, or an unknown clip range, output or debug view"};
   const float length = glm::length(view.light.sun_direction);
@@ -66,12 +67,31 @@ std::optional<int> levelAt(const View& view, const runtime::Instance& instance, 
     parts.knots[i] = knots, parts.to_world[i] = &to_world, parts.to_object[i] = &kSame,
     parts.extents[i] = &extent;
   PlacedParts placed;
-  if (of.bend == Bend::kSweep) {
-    // As the draw list bounds it.
-    const auto boundAll = [&](const Box& box) {
-      for (std::size_t i = 0; i < 8; ++i) setBounds(box, parts, i, placed);
-      placeParts(*projection, parts, placed);
-    };
+  // As the draw list bounds it.
+  const auto boundAll = [&](const Box& box) {
+    for (std::size_t i = 0; i < 8; ++i) setBounds(box, parts, i, placed);
+    placeParts(*projection, parts, placed);
+  };
+  int finest = 0, coarsest = of.levels - 1;
+  if (!of.cages.empty()) {
+    CageChoice choice{static_cast<int>(of.cages.size()) - 1, 1};
+    for (const bool about : {true, false}) {
+      Box box;
+      for (int i = 0; i < choice.count; ++i) {
+        const auto posed = runtime::posedCage(instance, part, choice.first + i);
+        if (!posed) return std::nullopt;
+        box.add(posed->bounds.min);
+        box.add(posed->bounds.max);
+        if (i == 0) finest = posed->cage->first_level;
+        coarsest = posed->cage->last_level;
+      }
+      boundAll(box);
+      if (!about) continue;
+      JudgedParts judged;
+      judgeParts(*projection, view, Rays::kView, placed, judged);
+      choice = CageChoice::of(of, judged.level.of[0], 0, false);
+    }
+  } else if (of.bend == Bend::kSweep) {
     boundAll(boxOfKnots(knots, of.size));
     JudgedParts judged;
     judgeParts(*projection, view, Rays::kView, placed, judged);
@@ -86,7 +106,7 @@ std::optional<int> levelAt(const View& view, const runtime::Instance& instance, 
     placeParts(*projection, parts, placed);
   }
   if (!placed.invertible) return std::nullopt;
-  const Detail detail = detailAt(view, placed.pixels.of[0], of.levels);
+  const Detail detail = servedDetail(detailAt(view, placed.pixels.of[0], of.levels), finest, coarsest);
   return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);
 }
 

@@ -137,6 +137,7 @@ enum class DebugView : std::uint8_t {
   kLevels,
   kBounds,   // the boxes whose outlines are rasterized; red: the eye is in or close to it, so all pixels are
   kSplines,  // the splines of parts and their knots, as Instance::pose has them
+  kCages,    // the cages of parts that have them: the edges of their outer cells
 };
 // True for those that replace the colors of parts, and the host's kelpSurface.
 constexpr bool replacesColors(DebugView debug) {
@@ -183,8 +184,9 @@ struct Stats {
   // Why the first of them was; `offset` is its index in the list that was given.
   Error first_left_out;
   std::uint32_t clamped = 0;  // instances whose pose was clamped (runtime::Instance::unsound)
-  // Draw calls. Solids: one for sheared parts and one for swept ones (with Features::kDistances one for
-  // both), or that times Quality::depth_batches at most. Fog: one for each run of parts that bend alike.
+  // Draw calls. Solids: one for sheared parts and one for swept ones, one for each run of parts with like
+  // cages, one for those that the eye is in (with Features::kDistances one for all), or that times
+  // Quality::depth_batches at most. Fog: one for each run of parts that bend alike.
   std::uint32_t draws = 0;
   std::uint64_t bytes_uploaded = 0;  // by this call
   std::uint64_t gpu_bytes = 0;       // of assets, held now
