@@ -9,6 +9,8 @@
 #include "arc.glsl"
 #include "sweep_record.glsl"
 #include "sweep.glsl"
+#include "cage.glsl"
+#include "cage_tree.glsl"
 #ifdef KELP_DISTANCES
 #include "distance.glsl"
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rays through swept parts, after arc.glsl; and kelpTrace, for parts of either kind.
+// Rays through swept parts, after arc.glsl.
 //
 // The text before defines, beside what trace.glsl asks for:
 //   KELP_SWEPT             bool: the part is swept
@@ -343,11 +343,4 @@ KELP_FN KelpHit kelpTraceSwept(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
   }
   hit.clips = next.clips;
   return hit;
-}
-
-// The first solid voxel along o + s r, s in [s_min, s_max]. r is a unit vector. The nearer o is to the
-// volume, the more exact the result.
-KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
-  if (KELP_SWEPT) return kelpTraceSwept(KELP_CONTEXT o, r, s_min, s_max);
-  return kelpTraceSheared(KELP_CONTEXT o, r, s_min, s_max);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The tracing core (spline.glsl, curve.glsl, trace.glsl, arc.glsl, sweep.glsl) compiled as C++ with GLM: CPU
-// queries and tests run the text that the GPU runs. Include it from .cpp files only; it is not installed.
+// The tracing core (spline.glsl, curve.glsl, trace.glsl, arc.glsl, sweep.glsl, cage.glsl, cage_tree.glsl)
+// compiled as C++ with GLM: CPU queries and tests run the text that the GPU runs. Include it from .cpp files
+// only; it is not installed.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +25,15 @@ struct Context;
 #define KELP_ARC(i) kelp::trace::arcOf(kelp_context, i)
 #define KELP_JOINT_PLANE(i) kelp::trace::jointOf(kelp_context, i).plane
 #define KELP_JOINT(i) kelp::trace::jointOf(kelp_context, i)
+#define KELP_CAGED (kelp_context.cage_words != nullptr)
+#define KELP_CAGE_WORD(i) kelp_context.cage_words[i]
+#define KELP_NODE(i) kelp_context.nodes[i]
+#define KELP_CAGE_LOW(i) kelp_context.cage_boxes[2 * (i)]
+#define KELP_CAGE_HIGH(i) kelp_context.cage_boxes[2 * (i) + 1]
+#define KELP_CAGE_LEAVES kelp_context.cage_leaves
+#define KELP_CAGE_FOLD_LOW kelp_context.fold_min
+#define KELP_CAGE_FOLD_HIGH kelp_context.fold_max
+#define KELP_LEAF_CELLS 2
 #define KELP_BOUNDS_MIN kelp_context.bounds_min
 #define KELP_BOUNDS_MAX kelp_context.bounds_max
 #define KELP_SIZE kelp_context.size
@@ -65,6 +75,13 @@ struct Context {
   const KelpArc* arcs = nullptr;  // of a swept part, which needs no segments
   const KelpJoint* joints = nullptr;
   int arc_count = 0;
+  // Of a caged part, which needs neither: kelp/cages/posed_cage.h. Without a tree it can only be walked.
+  const std::uint32_t* cage_words = nullptr;
+  const vec3* nodes = nullptr;
+  const vec3* cage_boxes = nullptr;  // of the tree: box i is from 2 i to 2 i + 1
+  int cage_leaves = 0;
+  vec3 fold_min{1.0f};  // around inverted tetrahedra; min > max: there are none
+  vec3 fold_max{-1.0f};
   vec3 bounds_min{0.0f};
   vec3 bounds_max{0.0f};
   vec3 size{0.0f};
@@ -80,6 +97,8 @@ struct Context {
 #include "trace.glsl"
 #include "arc.glsl"
 #include "sweep.glsl"
+#include "cage.glsl"
+#include "cage_tree.glsl"
 
 inline KelpSegment segmentOf(const Context& context, int i) { return context.segments[i]; }
 inline vec4 arcBallOf(const Context& context, int i) {
@@ -120,6 +139,15 @@ inline uint codeAt(const Context& context, int above, uint brick, ivec3 v) {
 #undef KELP_ARC
 #undef KELP_JOINT_PLANE
 #undef KELP_JOINT
+#undef KELP_CAGED
+#undef KELP_CAGE_WORD
+#undef KELP_NODE
+#undef KELP_CAGE_LOW
+#undef KELP_CAGE_HIGH
+#undef KELP_CAGE_LEAVES
+#undef KELP_CAGE_FOLD_LOW
+#undef KELP_CAGE_FOLD_HIGH
+#undef KELP_LEAF_CELLS
 #undef KELP_BOUNDS_MIN
 #undef KELP_BOUNDS_MAX
 #undef KELP_SIZE

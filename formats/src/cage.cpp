@@ -12,7 +12,7 @@
 namespace kelp {
 namespace {
 
-constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory for a cage"};
+constexpr Error kNoCageMemory{ErrorCode::kOutOfMemory, "no memory for a cage"};
 Error wrong(const char* text) { return {ErrorCode::kCorrupt, text}; }
 
 bool holdsCells(std::uint8_t block) { return block != 0 && block != kInsideBlock; }
@@ -101,7 +101,7 @@ Result<void> Maker::countCells(std::uint64_t max_bytes) {
   with_masks = static_cast<std::uint32_t>(divided);
   if (!cells.reset(std::uint64_t{kCageCellWords} * count) || !cubes.reset(cube_count) ||
       !corners.reset(8 * count))
-    return kNoMemory;
+    return kNoCageMemory;
   return {};
 }
 
@@ -172,7 +172,7 @@ Result<void> Maker::nameNodes(CageMemory& memory) {
     return {};
   };
   if (Result<void> counted = places(false); !counted) return counted;
-  if (!memory.places.reset(node_count)) return kNoMemory;
+  if (!memory.places.reset(node_count)) return kNoCageMemory;
   return places(true);
 }
 
@@ -228,7 +228,7 @@ Result<void> Maker::write(CageMemory& memory) {
   const std::uint32_t words_each = maskWords(cage), cells_at = kCageHeader,
                       faces_at = cells_at + kCageCellWords * cell_count;
   const std::uint64_t masks_at = std::uint64_t{faces_at} + face_count;
-  if (!memory.words.reset(masks_at + std::uint64_t{with_masks} * words_each)) return kNoMemory;
+  if (!memory.words.reset(masks_at + std::uint64_t{with_masks} * words_each)) return kNoCageMemory;
   std::uint32_t* const words = memory.words.data();
   words[0] = cell_count;
   words[1] = node_count;

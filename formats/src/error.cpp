@@ -50,6 +50,8 @@ const char* toString(Error::Unit unit) {
       return "knot";
     case Error::Unit::kInstance:
       return "instance";
+    case Error::Unit::kNode:
+      return "node";
   }
   return "place";
 }

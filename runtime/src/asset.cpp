@@ -6,6 +6,7 @@
 
 #include "asset_impl.h"
 #include "kelp/runtime/level.h"
+#include "pose_writer.h"
 
 namespace kelp::runtime {
 
@@ -270,6 +271,12 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const AssetOpti
   if (Result<void> prepared = impl->clips.prepare(impl->pack.parts(), impl->pack.clips()); !prepared)
     return prepared.error();
   if (Result<void> prepared = impl->prepareLevels(); !prepared) return prepared.error();
+  const std::span<const Part> parts = impl->pack.parts();
+  if (std::any_of(parts.begin(), parts.end(), [](const Part& part) { return !part.cages.empty(); })) {
+    Result<Pose> rest = PoseWriter::create(parts, options.allocator);
+    if (!rest) return rest.error();
+    impl->rest = *std::move(rest);
+  }
   if (!impl->absent_clip.prepare("clip", impl->pack.clips()) ||
       !impl->absent_part.prepare("part", impl->pack.parts()) ||
       !impl->absent_socket.prepare("socket", impl->pack.sockets()) ||

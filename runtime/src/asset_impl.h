@@ -9,6 +9,7 @@
 #include "absent_name.h"
 #include "kelp/formats/page.h"
 #include "kelp/runtime/level.h"
+#include "kelp/runtime/pose.h"
 #include "kelp/simd/clip_tables.h"
 #include "level.h"
 
@@ -122,6 +123,7 @@ struct Asset::Impl {
   Pack pack;
   AssetOptions options;
   simd::ClipTables clips;
+  Pose rest;                        // of no part if the pack has no cages
   Buffer<char> name;                // of the file, without its folder; empty: opened from a source
   std::atomic<bool> pumped{false};  // pump() or loadAll() was called
   AbsentName absent_clip, absent_part, absent_socket, absent_joint;
@@ -181,6 +183,11 @@ struct NameReader {
   static Error absentPart(const Asset& asset) { return asset.impl().absent_part.error(); }
   static Error absentSocket(const Asset& asset) { return asset.impl().absent_socket.error(); }
   static Error absentJoint(const Asset& asset) { return asset.impl().absent_joint.error(); }
+};
+
+// Access for posedCage().
+struct RestPose {
+  static const Pose& of(const Asset& asset) { return asset.impl().rest; }
 };
 
 // Access to distances for queries, without a search.

@@ -70,9 +70,9 @@ glm::vec3 toVoxels(const Instance& instance, int part, const glm::vec3& rest) {
 }
 
 // The height of a rest point in the deformed part, voxels.
-float bentHeight(const Part& part, std::span<const Knot> knots, float rest_y) {
+float bentHeight(std::span<const Knot> knots, const glm::ivec3& size, float rest_y) {
   const float low = knots.front().position.y;
-  return static_cast<float>(part.size.y) * low + rest_y * (knots.back().position.y - low);
+  return static_cast<float>(size.y) * low + rest_y * (knots.back().position.y - low);
 }
 
 // The arcs of a part, made in `room`; null if it is not swept, or cannot be drawn.
@@ -93,7 +93,7 @@ glm::mat4 frameIn(const PosedPart& posed, const ArcChain* arcs, const glm::mat4&
     at = sweepPoint(*arcs, posed.part->size, rest);
   } else if (!posed.isSwept()) {
     const SplinePoint on = splineAtHeight(posed.knots, static_cast<float>(posed.part->size.y),
-                                          bentHeight(*posed.part, posed.knots, rest.y));
+                                          bentHeight(posed.knots, posed.part->size, rest.y));
     const glm::vec3 slope = derivative(on.segment, glm::clamp(on.t, 1e-4f, 1.0f - 1e-4f));
     if (glm::dot(slope, slope) > 0) along = slope;
     at = bend(posed, rest);
@@ -179,8 +179,12 @@ glm::vec3 bend(const PosedPart& posed, const glm::vec3& rest) {
     ArcChain chain;
     return posed.arcs(chain) ? sweepPoint(chain, part.size, rest) : rest;
   }
-  const float y = bentHeight(part, posed.knots, rest.y);
-  const SplinePoint at = splineAtHeight(posed.knots, static_cast<float>(part.size.y), y);
+  return shear(posed.knots, part.size, rest);
+}
+
+glm::vec3 shear(std::span<const Knot> knots, const glm::ivec3& size, const glm::vec3& rest) {
+  const float y = bentHeight(knots, size, rest.y);
+  const SplinePoint at = splineAtHeight(knots, static_cast<float>(size.y), y);
   const glm::vec3 s = evaluate(at.segment, at.t);
   return {rest.x + s.x, y, rest.z + s.z};
 }

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "cages/pose_nodes.h"
 #include "kelp/formats/sweep.h"
 #include "pose_writer.h"
 
@@ -16,11 +17,14 @@ static_assert(alignof(Motion) <= 4 && alignof(Knot) <= 4 && alignof(glm::ivec3) 
 
 namespace {
 constexpr Error kNoKnot{ErrorCode::kMisuse, "there is no such part, or no such knot in it"};
-constexpr Error kNotAlike{ErrorCode::kMisuse, "the poses differ in parts or knots"};
+constexpr Error kNotAlike{ErrorCode::kMisuse, "the poses differ in parts, knots or nodes"};
 }  // namespace
 
 Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
-  const std::span<const Part> parts = asset.pack().parts();
+  return create(asset.pack().parts(), allocator);
+}
+
+Result<Pose> Pose::create(std::span<const Part> parts, const Allocator& allocator) {
   std::size_t total = 0;
   for (const Part& part : parts) total += part.knots.size();
   Pose pose;
@@ -43,12 +47,14 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
     pose.shapes()[i] = {parts[i].size, parts[i].bend, parts[i].roll};
   }
   pose.firstKnots()[parts.size()] = n;
+  if (const Result<void> made = PoseCages::create(parts, allocator, pose); !made) return made.error();
   pose.reset();
   return pose;
 }
 
 Pose& Pose::operator=(Pose&& other) noexcept {
   memory_ = std::move(other.memory_);
+  cages_ = std::move(other.cages_);
   knot_data_ = std::exchange(other.knot_data_, nullptr);
   parts_ = std::exchange(other.parts_, 0u);
   knots_ = std::exchange(other.knots_, 0u);
@@ -61,7 +67,7 @@ bool Pose::fits(const Asset& asset) const {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (firstKnots()[i + 1] - firstKnots()[i] != parts[i].knots.size()) return false;
   }
-  return true;
+  return PoseCages::fits(*this, parts);
 }
 
 bool Pose::hasKnot(int part, int knot) const {
@@ -72,15 +78,17 @@ Result<void> Pose::move(int part, int knot, const glm::vec3& offset) {
   if (!hasKnot(part, knot)) return kNoKnot;
   std::uint64_t automatic;
   std::memcpy(&automatic, automaticTangents(part), sizeof automatic);
-  const std::span<Knot> moved = writableKnots(part);
+  const std::span<Knot> mine = writableKnots(part);
   const auto index = static_cast<std::size_t>(knot);
-  moveKnot(moved, index, offset, followOf(moved, index, automatic));
+  moveKnot(mine, index, offset, followOf(mine, index, automatic));
+  moved(part);
   return {};
 }
 
 Result<void> Pose::setTangent(int part, int knot, const glm::vec3& tangent) {
   if (!hasKnot(part, knot)) return kNoKnot;
   writableKnots(part)[static_cast<std::size_t>(knot)].tangent = tangent;
+  moved(part);
   return {};
 }
 
@@ -91,12 +99,14 @@ Result<void> Pose::setKnots(int part, std::span<const Knot> given) {
   if (mine.empty() || !same)
     return Error{ErrorCode::kMisuse, "these are not the knots of that part: their number or an `at` differs"};
   std::copy(given.begin(), given.end(), mine.begin());
+  moved(part);
   return {};
 }
 
 bool Pose::sameShape(const Pose& other) const {
   return other.parts_ == parts_ && other.knots_ == knots_ &&
-         std::equal(firstKnots(), firstKnots() + parts_, other.firstKnots());
+         std::equal(firstKnots(), firstKnots() + parts_, other.firstKnots()) &&
+         PoseCages::alike(*this, other);
 }
 
 void Pose::reset() {
@@ -110,11 +120,13 @@ void Pose::reset() {
   const std::size_t last = stateBytes() - kStep;
   for (std::size_t i = 0; i < last; i += kStep) std::memcpy(to + i, from + i, kStep);
   std::memcpy(to + last, from + last, kStep);
+  if (!cages_.empty()) PoseCages::reset(*this);
 }
 
 Result<void> Pose::assign(const Pose& other) {
   if (!sameShape(other)) return kNotAlike;
   if (parts_ > 0) std::copy_n(const_cast<Pose&>(other).state(), stateBytes(), state());
+  if (!cages_.empty()) PoseCages::assign(other, *this);
   return {};
 }
 
@@ -128,6 +140,8 @@ Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> pa
   }
   for (int part = 0; part < parts(); ++part) {
     const float w = part_weights.empty() ? weight : weight * part_weights[static_cast<std::size_t>(part)];
+    if (!cages_.empty()) PoseCages::blend(to, part, w, *this);
+    moved(part);
     const std::span<Knot> mine = writableKnots(part);
     const std::span<const Knot> theirs = to.knots(part);
     for (std::size_t i = 0; i < mine.size(); ++i) {
@@ -145,6 +159,10 @@ Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> pa
 }
 
 Result<void> Pose::checkPart(int part) const {
+  if (const NodesInPose* const nodes = PoseCages::of(*this, part)) {
+    if (nodes->written) return PoseCages::check(*this, part);
+    if (nodes->cages[0].placed.isMade(PoseCages::stampOf(*this, part))) return {};
+  }
   const Shape& shape = const_cast<Pose*>(this)->shapes()[part];
   return checkRig(shape.bend, knots(part), shape.size, shape.roll + motion(part)->roll);
 }
@@ -162,11 +180,14 @@ Result<void> Pose::check() const {
 void Pose::clamp() {
   for (int part = 0; part < parts(); ++part) {
     if (knots(part).empty() || checkPart(part)) continue;
-    if (shapes()[part].bend == Bend::kSweep) {
+    if (const NodesInPose* const nodes = PoseCages::of(*this, part); nodes && nodes->written) {
+      PoseCages::clamp(*this, part);
+    } else if (shapes()[part].bend == Bend::kSweep) {
       clampSweep(part);
     } else {
       clampShear(part);
     }
+    moved(part);
   }
 }
 

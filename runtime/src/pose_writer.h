@@ -7,9 +7,18 @@
 namespace kelp::runtime {
 
 struct PoseWriter {
-  static std::span<Knot> knots(Pose& pose, int part) { return pose.writableKnots(part); }
+  static std::span<Knot> knots(Pose& pose, int part) {
+    pose.moved(part);
+    return pose.writableKnots(part);
+  }
   // The knots of all parts, one part after the other.
-  static std::span<Knot> allKnots(Pose& pose) { return {pose.knotData(), pose.knots_}; }
+  static std::span<Knot> allKnots(Pose& pose) {
+    for (int part = 0; part < pose.parts(); ++part) pose.moved(part);
+    return {pose.knotData(), pose.knots_};
+  }
+  static Result<Pose> create(std::span<const Part> parts, const Allocator& allocator) {
+    return Pose::create(parts, allocator);
+  }
 };
 
 // Moves a knot; automatic tangents follow.

@@ -51,6 +51,8 @@ PosedPart posedPart(const Instance& instance, int part);
 Box boundsOf(const PosedPart& posed);
 // Part space at rest -> part space, deformed. Of a swept part that cannot be drawn: as at rest.
 glm::vec3 bend(const PosedPart& posed, const glm::vec3& rest);
+// The same of a sheared part on these knots.
+glm::vec3 shear(std::span<const Knot> knots, const glm::ivec3& size, const glm::vec3& rest);
 // True if the part hangs on its parent's spline.
 inline bool hangsOnSpline(const Part& part) { return part.parent_at != Part::kNotOnSpline; }
 

@@ -114,7 +114,7 @@ std::string definesOf(Method method, Bend bend) {
     case Method::kKelp:
       break;
   }
-  return swept + callKelp("kelpTrace");
+  return callKelp(bend == Bend::kSweep ? "kelpTraceSwept" : "kelpTraceSheared");
 }
 
 std::string readText(const std::string& path) {

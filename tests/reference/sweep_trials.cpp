@@ -197,7 +197,7 @@ SweepTally runSweepTrial(const TrialVolume& volume, const SweepRig& rig, int ray
     const int kind = i % kSweepRayKinds;
     const SweepRay ray = make.make(kind);
     const glm::vec3 o(ray.o), r(ray.r);
-    const tiled::KelpHit hit = tiled::kelpTrace(context, o, r, 0.0f, s_max);
+    const tiled::KelpHit hit = tiled::kelpTraceSwept(context, o, r, 0.0f, s_max);
     const Truth truth = truthOf(truth_volume, chain, dvec3(o), dvec3(r), double{s_max});
     const std::optional<double> s = hit.found ? std::optional<double>(double{hit.s}) : std::nullopt;
     const Verdict verdict = judge(truth, s);

@@ -240,7 +240,7 @@ TrialTally runTrial(const TrialVolume& volume, const TrialRig& rig, int rays, un
   for (int i = 0; i < rays; ++i) {
     const int kind = i % kRayKinds;
     const Ray ray = make.make(kind);
-    const tiled::KelpHit hit = tiled::kelpTrace(context, ray.o, ray.r, 0.0f, s_max);
+    const tiled::KelpHit hit = tiled::kelpTraceSheared(context, ray.o, ray.r, 0.0f, s_max);
     const Truth truth = truthOf(truth_volume, rig.knots, dvec3(ray.o), dvec3(ray.r), double{s_max});
     const std::optional<double> s = hit.found ? std::optional<double>(double{hit.s}) : std::nullopt;
     const Verdict verdict = judge(truth, s);

@@ -39,6 +39,7 @@ struct Error {
     kPart,      // index of a part
     kKnot,      // index of a knot in its part
     kInstance,  // index of an instance in the list that was given
+    kNode,      // index of a node in the finest cage of its part
   };
   static constexpr std::uint64_t kNoOffset = ~std::uint64_t{0};
 
@@ -49,7 +50,7 @@ struct Error {
   std::uint64_t offset = kNoOffset;  // where, if there is a place
   Unit unit = Unit::kByte;
 };
-const char* toString(Error::Unit unit);  // "byte", "part", "knot", "instance"
+const char* toString(Error::Unit unit);  // "byte", "part", "knot", "instance", "node"
 
 // Writes the error to the standard error output and ends the program (std::abort).
 [[noreturn]] void stop(const Error& error);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A pose: where the knots of every part are now. The host moves the knots itself, or adds clips.
+// A pose: where the knots of every part are now, and the nodes of parts with cages. The host moves them
+// itself, or adds clips.
 #pragma once
 
 #include <cstddef>
@@ -24,6 +25,8 @@ struct Motion {
   bool operator==(const Motion&) const = default;
 };
 
+struct PoseCages;
+
 // Keeps no pointer to its asset. Only create() allocates; assign() copies without allocating. Not
 // thread-safe: use a pose on one thread at a time. Different poses may be used on different threads at the
 // same time.
@@ -36,7 +39,7 @@ class Pose {
   Pose& operator=(Pose&& other) noexcept;
 
   int parts() const { return static_cast<int>(parts_); }
-  // True if the pose has as many parts and knots as the asset. Functions that take both check this.
+  // True if the pose has as many parts, knots and nodes as the asset. Functions that take both check this.
   bool fits(const Asset& asset) const;
   // The knots of a part. Lengths are in heights of the part, as in rig files (kelp/formats/spline.h).
   // Empty for a part that does not exist.
@@ -55,27 +58,41 @@ class Pose {
   Motion* motion(int part) { return part >= 0 && part < parts() ? motionData() + part : nullptr; }
   const Motion* motion(int part) const { return const_cast<Pose*>(this)->motion(part); }
 
-  void reset();  // back to rest
-  // Copies `other`. kMisuse, with nothing changed, if its parts or knots differ in number.
+  // Where the nodes of a part's finest cage are, to read and to write, in part space: level-0 voxels (Cage,
+  // kelp/formats/cage.h). The first call fills in where the part's spline takes them; at rest, if its knots
+  // may not be drawn. From then on they are where you put them, and the knots no longer move them, until
+  // reset(). Each call tells the pose that nodes change: call it again before each round of writing. The span
+  // stays valid as long as the pose lives. The nodes of coarser cages follow. Empty for a part without cages.
+  std::span<glm::vec3> nodes(int part);
+  // The same to read; they go on following the spline. Call it by std::as_const(pose).nodes(part).
+  std::span<const glm::vec3> nodes(int part) const;
+
+  void reset();  // back to rest; no node is the host's any more
+  // Copies `other`. kMisuse, with nothing changed, if its parts, knots or nodes differ in number.
   Result<void> assign(const Pose& other);
   // Moves the pose towards `to`: weight 0 changes nothing, weight 1 makes it `to`. Knots, translations and
   // scales are interpolated linearly, rotations spherically by the shorter way. Between two monotone poses
-  // the result is monotone; between swept ones it may fold. part_weights: one factor of the weight for each
+  // the result is monotone; between swept ones it may fold. Nodes that the host wrote to either pose are
+  // interpolated linearly, and are the host's in this one. part_weights: one factor of the weight for each
   // part, as a mask; empty: all 1. kMisuse, with nothing changed, if the poses differ in parts or knots, or a
   // weight is not within [0, 1].
   Result<void> blend(const Pose& to, float weight, std::span<const float> part_weights = {});
   // Checks the knots of every part (checkRig). kNotMonotone if the spline of a sheared part turns back along
   // its axis; kFolds if a swept part bends too sharply for its thickness; kMisuse for other broken rules;
-  // `offset` is the index of the part. Parts without voxels
-  // are checked too. An instance with such a pose is not drawn, and no ray hits it.
+  // `offset` is the index of the part. Of a part whose nodes the host wrote, the nodes are checked, not the
+  // knots: kMisuse if one is no finite number, or farther away than 2^20 times the part's longest side. Parts
+  // without voxels are checked too. An instance with such a pose is not drawn, and no ray hits it.
   Result<void> check() const;
   // Changes knots until every part passes check(); those that do stay as they are. Of a sheared part, only
   // the y of tangents and knots. A swept part moves, with its roll, on a straight line towards its
-  // pose at rest, about as far as needed: the line is halved, to 1/4096 of it.
+  // pose at rest, about as far as needed: the line is halved, to 1/4096 of it. A node that check() refuses
+  // goes to its place at rest.
   void clamp();
 
  private:
   friend struct PoseWriter;
+  friend struct PoseCages;
+  static Result<Pose> create(std::span<const Part> parts, const Allocator& allocator);
   bool sameShape(const Pose& other) const;
   bool hasKnot(int part, int knot) const;
   std::span<Knot> writableKnots(int part) {
@@ -104,6 +121,12 @@ class Pose {
   Shape* shapes() {
     return reinterpret_cast<Shape*>(restState() + stateBytes() + sizeof(std::uint64_t) * parts_);
   }
+  // Null: no part has cages.
+  PoseCages* cages() const;
+  void forgetNodes(int part);  // they may have moved
+  void moved(int part) {
+    if (!cages_.empty()) forgetNodes(part);
+  }
   Result<void> checkPart(int part) const;
   void clampShear(int part);
   void clampSweep(int part);
@@ -112,6 +135,7 @@ class Pose {
   }
 
   Buffer<std::byte> memory_;
+  Buffer<std::byte> cages_;    // PoseCages, and all that it points to; empty if no part has cages
   Knot* knot_data_ = nullptr;  // in memory_
   std::uint32_t parts_ = 0;
   std::uint32_t knots_ = 0;

@@ -24,7 +24,9 @@ extern const char* const kCurve;        // curve.glsl: a ray as a curve in the v
 extern const char* const kTrace;        // trace.glsl: where a ray first meets a solid voxel
 extern const char* const kArc;          // arc.glsl: a ray in one arc of a swept part
 extern const char* const kSweepRecord;  // sweep_record.glsl: where arcs come from on the GPU
-extern const char* const kSweep;        // sweep.glsl: rays through swept parts, and kelpTrace for all
+extern const char* const kSweep;        // sweep.glsl: rays through swept parts
+extern const char* const kCage;         // cage.glsl: walks through caged parts
+extern const char* const kCageTree;     // cage_tree.glsl: rays through caged parts, and kelpTrace for all
 // and the look.
 extern const char* const kUniforms;  // uniforms.glsl
 extern const char* const kSurface;   // surface.glsl: the default look, and KelpSurface

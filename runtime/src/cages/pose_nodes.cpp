@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: MIT
+#include "pose_nodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include <glm/glm.hpp>
+
+#include "../posed_part.h"
+#include "kelp/cages/posed_cage.h"
+#include "kelp/simd/lanes.h"
+
+namespace kelp::runtime {
+namespace {
+
+constexpr Error kBadNode{ErrorCode::kMisuse,
+                         "a node that was written is no finite number, or farther away than 2^20 times the "
+                         "part's longest side",
+                         0, Error::Unit::kNode};
+
+// The places of a pose's arrays in one block: counted if there is no block.
+struct Carver {
+  std::byte* block;
+  std::uint64_t used = 0;
+
+  template <class T>
+  T* take(std::uint64_t count, std::uint64_t more_bytes = 0) {
+    T* const at = block ? reinterpret_cast<T*>(block + used) : nullptr;
+    used += (count * sizeof(T) + more_bytes + 15) / 16 * 16;
+    return at;
+  }
+};
+
+// The first of `count` new values; null if nothing is placed yet.
+template <class T>
+std::span<T> takeNew(Carver& carver, std::uint64_t count) {
+  T* const at = carver.take<T>(count);
+  if (!at) return {};
+  for (std::uint64_t i = 0; i < count; ++i) new (at + i) T{};
+  return {at, static_cast<std::size_t>(count)};
+}
+
+void layCage(const Cage& from, Carver& carver, CageInPose* cage) {
+  const std::uint32_t leaves = std::bit_ceil((from.cells() + kLeafCells - 1) / kLeafCells);
+  auto* const nodes = carver.take<glm::vec3>(from.nodes(), sizeof(float));
+  auto* const tree = carver.take<Box>(2 * std::uint64_t{leaves});
+  if (!cage) return;
+  cage->nodes = nodes;
+  cage->tree = tree;
+  cage->node_count = from.nodes();
+  cage->cell_count = from.cells();
+  cage->leaves = leaves;
+}
+
+// Returns the bytes of the block.
+std::uint64_t layAll(std::span<const Part> parts, std::byte* block) {
+  Carver carver{block};
+  PoseCages* const all = takeNew<PoseCages>(carver, 1).data();
+  const std::span<NodesInPose> each = takeNew<NodesInPose>(carver, parts.size());
+  if (all) all->parts = each;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::span<const Cage> from = parts[i].cages;
+    if (from.empty()) continue;
+    const std::span<CageInPose> cages = takeNew<CageInPose>(carver, from.size());
+    auto* const places = carver.take<std::uint32_t>(from[0].nodes());
+    for (std::size_t c = 0; c < from.size(); ++c) layCage(from[c], carver, block ? &cages[c] : nullptr);
+    if (!block) continue;
+    each[i].cages = cages;
+    each[i].places = places;
+    each[i].side = from[0].side;
+    std::copy(from[0].places.begin(), from[0].places.end(), places);
+  }
+  return carver.used;
+}
+
+// A level section of the lattice: a node at (x, z) from its middle goes to at + x * this->x + z * this->z.
+struct Section {
+  glm::vec3 x{1, 0, 0}, z{0, 0, 1}, at;
+};
+
+constexpr int kMostSections = kMostCageCells + 1;
+
+void sectionsAtRest(const glm::vec3& middle, int side, std::span<Section> sections) {
+  for (std::size_t i = 0; i < sections.size(); ++i)
+    sections[i].at = {middle.x, static_cast<float>(side * static_cast<int>(i)), middle.z};
+}
+
+// The lattice may end above the part, by less than a cell. There the map goes on straight.
+Result<void> shearSections(std::span<const Knot> knots, const glm::ivec3& size, const glm::vec3& middle,
+                           int side, std::span<Section> sections) {
+  if (Result<void> sound = checkKnots(knots); !sound) return sound;
+  const auto at = [&](float y) { return shear(knots, size, {middle.x, y, middle.z}); };
+  sectionsAtRest(middle, side, sections);
+  for (Section& section : sections.first(sections.size() - 1)) section.at = at(section.at.y);
+  const int below = side * (static_cast<int>(sections.size()) - 2);
+  const glm::vec3 from = sections[sections.size() - 2].at, top = at(static_cast<float>(size.y));
+  const float share = static_cast<float>(side) / static_cast<float>(size.y - below);
+  sections.back().at = share == 1.0f ? top : from + share * (top - from);
+  return {};
+}
+
+Result<void> sweepSections(std::span<const Knot> knots, const glm::ivec3& size, float roll, int side,
+                           std::span<Section> sections) {
+  ArcChain chain;
+  if (Result<void> made = makeArcs(knots, size, roll, kArcTolerance, chain); !made) return made;
+  const auto height = static_cast<float>(size.y);
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const auto y = static_cast<float>(side * static_cast<int>(i));
+    const glm::mat4x3 section = sectionAt(chain, std::min(y, height));
+    sections[i] = {section[0], section[2], section[3]};
+    if (y > height) sections[i].at += (y - height) / chain.arcs[chain.count - 1].rise * section[1];
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> PoseCages::create(std::span<const Part> parts, const Allocator& allocator, Pose& pose) {
+  pose.cages_ = Buffer<std::byte>(allocator);
+  if (std::none_of(parts.begin(), parts.end(), [](const Part& part) { return !part.cages.empty(); }))
+    return {};
+  if (!pose.cages_.reset(layAll(parts, nullptr)))
+    return Error{ErrorCode::kOutOfMemory, "no memory for the cages of a pose"};
+  layAll(parts, pose.cages_.data());
+  return {};
+}
+
+NodesInPose* PoseCages::of(const Pose& pose, int part) {
+  PoseCages* const all = pose.cages();
+  if (!all || part < 0 || part >= pose.parts()) return nullptr;
+  NodesInPose& found = all->parts[static_cast<std::size_t>(part)];
+  return found.cages.empty() ? nullptr : &found;
+}
+
+std::uint32_t PoseCages::stampOf(const Pose& pose, int part) {
+  if (of(pose, part)->written || const_cast<Pose&>(pose).shapes()[part].bend != Bend::kSweep) return 0;
+  return std::bit_cast<std::uint32_t>(pose.motion(part)->roll);
+}
+
+bool PoseCages::place(const Pose& pose, int part) {
+  NodesInPose& nodes = *of(pose, part);
+  if (nodes.written) return true;
+  return nodes.cages[0].placed.make(stampOf(pose, part), [&] {
+    const Pose::Shape& shape = const_cast<Pose&>(pose).shapes()[part];
+    const glm::vec3 middle = 0.5f * glm::vec3(shape.size);
+    Section room[kMostSections];
+    const auto count = static_cast<std::size_t>(cageGrid(shape.size, nodes.side).y) + 1;
+    const std::span<Section> sections(room, count);
+    const std::span<const Knot> knots = pose.knots(part);
+    const Result<void> placed =
+        shape.bend == Bend::kSweep
+            ? sweepSections(knots, shape.size, shape.roll + pose.motion(part)->roll, nodes.side, sections)
+            : shearSections(knots, shape.size, middle, nodes.side, sections);
+    if (!placed) {
+      nodes.failure = placed.error();
+      std::fill(sections.begin(), sections.end(), Section{});
+      sectionsAtRest(middle, nodes.side, sections);
+    }
+    const CageInPose& cage = nodes.cages[0];
+    const auto side = static_cast<float>(nodes.side);
+    for (std::uint32_t i = 0; i < cage.node_count; ++i) {
+      const std::uint32_t place = nodes.places[i];
+      const Section& section = sections[place >> 10 & 1023];
+      const float x = side * static_cast<float>(place & 1023) - middle.x;
+      const float z = side * static_cast<float>(place >> 20) - middle.z;
+      cage.nodes[i] = section.at + x * section.x + z * section.z;
+    }
+    return static_cast<bool>(placed);
+  });
+}
+
+bool PoseCages::fits(const Pose& pose, std::span<const Part> parts) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const NodesInPose* const mine = of(pose, static_cast<int>(i));
+    const std::span<const Cage> cages = parts[i].cages;
+    if ((mine ? mine->cages.size() : 0) != cages.size()) return false;
+    for (std::size_t c = 0; c < cages.size(); ++c)
+      if (mine->cages[c].node_count != cages[c].nodes() || mine->cages[c].cell_count != cages[c].cells())
+        return false;
+  }
+  return true;
+}
+
+bool PoseCages::alike(const Pose& a, const Pose& b) {
+  if (!a.cages() || !b.cages()) return a.cages() == b.cages();
+  for (int part = 0; part < a.parts(); ++part) {
+    const NodesInPose *const one = of(a, part), *const other = of(b, part);
+    if (!one || !other) {
+      if (one != other) return false;
+    } else if (one->cages[0].node_count != other->cages[0].node_count) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void PoseCages::reset(Pose& pose) {
+  for (int part = 0; part < pose.parts(); ++part) {
+    if (NodesInPose* const nodes = of(pose, part)) nodes->written = false;
+    pose.forgetNodes(part);
+  }
+}
+
+void PoseCages::assign(const Pose& from, Pose& to) {
+  for (int part = 0; part < to.parts(); ++part) {
+    NodesInPose* const nodes = of(to, part);
+    if (!nodes) continue;
+    nodes->written = of(from, part)->written;
+    if (nodes->written)
+      std::copy_n(of(from, part)->cages[0].nodes, nodes->cages[0].node_count, nodes->cages[0].nodes);
+    to.forgetNodes(part);
+  }
+}
+
+void PoseCages::blend(const Pose& to, int part, float weight, Pose& pose) {
+  NodesInPose* const nodes = of(pose, part);
+  if (!nodes || weight == 0.0f) return;
+  const bool written = of(to, part)->written;
+  if (!nodes->written && !written) return;
+  if (weight == 1.0f && !written) {
+    nodes->written = false;
+    return;
+  }
+  const std::span<glm::vec3> mine = pose.nodes(part);
+  const std::span<const glm::vec3> theirs = to.nodes(part);
+  for (std::size_t i = 0; i < mine.size(); ++i)
+    mine[i] = weight == 1.0f ? theirs[i] : mine[i] + weight * (theirs[i] - mine[i]);
+}
+
+Result<void> PoseCages::check(const Pose& pose, int part) {
+  using namespace simd;
+  const glm::ivec3 size = const_cast<Pose&>(pose).shapes()[part].size;
+  const float most = 0x1p20f * static_cast<float>(std::max({size.x, size.y, size.z}));
+  const float limit = std::nextafter(most, INFINITY);
+  const std::span<const glm::vec3> nodes = pose.nodes(part);
+  const float* const numbers = &nodes.data()->x;
+  const std::size_t count = 3 * nodes.size(), whole = count & ~std::size_t{3};
+  unsigned good = 15;
+  for (std::size_t i = 0; i < whole; i += 4) good &= lessBits(abs(Lanes::load(numbers + i)), limit);
+  const auto isGood = [limit](float number) { return std::abs(number) < limit; };
+  if (good == 15 && std::all_of(numbers + whole, numbers + count, isGood)) return {};
+  Error bad = kBadNode;
+  bad.offset = static_cast<std::uint64_t>(std::find_if_not(numbers, numbers + count, isGood) - numbers) / 3;
+  return bad;
+}
+
+void PoseCages::clamp(Pose& pose, int part) {
+  const NodesInPose& in = *of(pose, part);
+  const std::span<glm::vec3> nodes = pose.nodes(part);
+  for (Result<void> good = check(pose, part); !good; good = check(pose, part)) {
+    const auto i = static_cast<std::size_t>(good.error().offset);
+    const std::uint32_t place = in.places[i];
+    nodes[i] = static_cast<float>(in.side) * glm::vec3(static_cast<float>(place & 1023),
+                                                       static_cast<float>(place >> 10 & 1023),
+                                                       static_cast<float>(place >> 20));
+  }
+}
+
+PoseCages* Pose::cages() const {
+  return cages_.empty() ? nullptr : reinterpret_cast<PoseCages*>(const_cast<Pose*>(this)->cages_.data());
+}
+
+void Pose::forgetNodes(int part) {
+  NodesInPose* const nodes = PoseCages::of(*this, part);
+  if (!nodes) return;
+  for (CageInPose& cage : nodes->cages) {
+    cage.placed.forget();
+    cage.bounded.forget();
+  }
+}
+
+std::span<glm::vec3> Pose::nodes(int part) {
+  NodesInPose* const nodes = PoseCages::of(*this, part);
+  if (!nodes) return {};
+  PoseCages::place(*this, part);
+  nodes->written = true;
+  forgetNodes(part);
+  return {nodes->cages[0].nodes, nodes->cages[0].node_count};
+}
+
+std::span<const glm::vec3> Pose::nodes(int part) const {
+  const NodesInPose* const nodes = PoseCages::of(*this, part);
+  if (!nodes) return {};
+  PoseCages::place(*this, part);
+  return {nodes->cages[0].nodes, nodes->cages[0].node_count};
+}
+
+}  // namespace kelp::runtime

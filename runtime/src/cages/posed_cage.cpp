@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#include "kelp/cages/posed_cage.h"
+
+#include <algorithm>
+#include <bit>
+
+#include <glm/glm.hpp>
+
+#include "../asset_impl.h"
+#include "kelp/simd/lanes.h"
+#include "pose_nodes.h"
+
+namespace kelp::runtime {
+namespace {
+
+using simd::Lanes;
+
+constexpr Error kOtherPose{ErrorCode::kMisuse, "the pose is of another asset"};
+
+struct Lanes3 {
+  Lanes x, y, z;
+};
+Lanes3 operator-(const Lanes3& a, const Lanes3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Lanes3 cross(const Lanes3& a, const Lanes3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+Box around(const Box& a, const Box& b) {
+  Box both = a;
+  both.min = glm::min(a.min, b.min);
+  both.max = glm::max(a.max, b.max);
+  return both;
+}
+
+// The tetrahedra of four cells, whose determinants are above 0 in lane i of `upright` at bit i: as in
+// kCageTetrahedra. A determinant is a sum of products of one x, one y and one z each, none above `margin` /
+// 2^-18. Float gets it right to 48 roundings of these.
+struct FourCells {
+  Lanes3 corner[8];
+  Lanes3 low, high;
+  unsigned upright[6];
+
+  FourCells(const glm::vec3* nodes, const std::uint32_t* const (&cells)[4]) {
+    for (int i = 0; i < 8; ++i) {
+      const float* places[4];
+      for (int lane = 0; lane < 4; ++lane) places[lane] = &nodes[cells[lane][2 + i]].x;
+      Lanes unused;
+      loadFours(places, 0, corner[i].x, corner[i].y, corner[i].z, unused);
+    }
+    low = high = corner[0];
+    for (int i = 1; i < 8; ++i) {
+      low = {min(corner[i].x, low.x), min(corner[i].y, low.y), min(corner[i].z, low.z)};
+      high = {max(corner[i].x, high.x), max(corner[i].y, high.y), max(corner[i].z, high.z)};
+    }
+    const Lanes3 extent = high - low;
+    const Lanes margin = 0x1p-18f * (extent.x * extent.y * extent.z);
+    const Lanes3 diagonal = corner[7] - corner[0];
+    for (int t = 0; t < 6; t += 2) {
+      // Tetrahedra t and t + 1 have the edge from corner 0 to corner 2^(t / 2) in common.
+      const Lanes3 normal = cross(diagonal, corner[kCageTetrahedra[t].corners[1]] - corner[0]);
+      for (const int which : {t, t + 1}) {
+        const Lanes det = dot(corner[kCageTetrahedra[which].corners[2]] - corner[0], normal);
+        // Permutations 0, 3 and 4 are even.
+        const bool even = which == 0 || which == 3 || which == 4;
+        upright[which] = lessBits(margin, even ? det : 0.0f - det);
+      }
+    }
+  }
+};
+
+void addInverted(const FourCells& four, unsigned lanes, CageInPose& cage) {
+  alignas(16) float corners[8][3][4];
+  for (int i = 0; i < 8; ++i) {
+    four.corner[i].x.store(corners[i][0]);
+    four.corner[i].y.store(corners[i][1]);
+    four.corner[i].z.store(corners[i][2]);
+  }
+  for (int t = 0; t < 6; ++t) {
+    for (unsigned left = lanes & ~four.upright[t]; left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      ++cage.inverted_count;
+      for (const int i : kCageTetrahedra[t].corners)
+        cage.inverted.add({corners[i][0][lane], corners[i][1][lane], corners[i][2][lane]});
+    }
+  }
+}
+
+// The tree, and the inverted tetrahedra.
+void boundCells(const Cage& cage, CageInPose& posed) {
+  static_assert(kLeafCells == 2);
+  posed.inverted = Box{};
+  posed.inverted_count = 0;
+  Box* const leaf = posed.tree + posed.leaves;
+  const std::uint32_t count = cage.cells();
+  std::uint32_t next = 0;  // leaf
+  for (std::uint32_t first = 0; first < count; first += 4) {
+    const std::uint32_t* cells[4];
+    for (std::uint32_t lane = 0; lane < 4; ++lane) cells[lane] = cage.cell(std::min(first + lane, count - 1));
+    const FourCells four(posed.nodes, cells);
+    const unsigned lanes = first + 4 > count ? (1u << (count - first)) - 1 : 15u;
+    if (lanes & ~(four.upright[0] & four.upright[1] & four.upright[2] & four.upright[3] & four.upright[4] &
+                  four.upright[5]))
+      addInverted(four, lanes, posed);
+    // Lanes 0 and 2 get the boxes of cells 0 and 1, 2 and 3.
+    const auto ofBoth = [](Lanes of, auto pick) { return pick(of, of.rotated()); };
+    const auto least = [](Lanes a, Lanes b) { return min(a, b); };
+    const auto most = [](Lanes a, Lanes b) { return max(a, b); };
+    alignas(16) float sides[6][4];
+    ofBoth(four.low.x, least).store(sides[0]);
+    ofBoth(four.low.y, least).store(sides[1]);
+    ofBoth(four.low.z, least).store(sides[2]);
+    ofBoth(four.high.x, most).store(sides[3]);
+    ofBoth(four.high.y, most).store(sides[4]);
+    ofBoth(four.high.z, most).store(sides[5]);
+    for (int lane = 0; lane < 4 && next < posed.leaves; lane += 2, ++next)
+      leaf[next] = {{sides[0][lane], sides[1][lane], sides[2][lane]},
+                    {sides[3][lane], sides[4][lane], sides[5][lane]}};
+  }
+  std::fill(leaf + (count + kLeafCells - 1) / kLeafCells, leaf + posed.leaves, Box{});
+  for (std::uint32_t i = posed.leaves - 1; i > 0; --i)
+    posed.tree[i] = around(posed.tree[2 * i], posed.tree[2 * i + 1]);
+}
+
+// Nodes of a coarser cage follow those of the next finer one.
+void placeCoarser(const Pose& pose, int part, std::span<const Cage> cages, int cage) {
+  if (cage == 0) return;
+  CageInPose* const in = PoseCages::of(pose, part)->cages.data();
+  in[cage].placed.make(PoseCages::stampOf(pose, part), [&] {
+    placeCoarser(pose, part, cages, cage - 1);
+    const Cage &finer = cages[static_cast<std::size_t>(cage) - 1],
+               &coarser = cages[static_cast<std::size_t>(cage)];
+    const glm::vec3* const from = in[cage - 1].nodes;
+    for (std::uint32_t i = 0; i < in[cage].node_count; ++i) {
+      const CageFollow follow = cageFollows(coarser, i, finer);
+      glm::vec3 at(0);
+      for (int k = 0; k < 4; ++k) at += follow.weights[k] * from[follow.nodes[k]];
+      in[cage].nodes[i] = at;
+    }
+    return true;
+  });
+}
+
+}  // namespace
+
+Result<PosedCage> posedCage(const Instance& instance, int part, int cage) {
+  if (!instance.asset || part < 0 || static_cast<std::size_t>(part) >= instance.asset->pack().parts().size())
+    return Error{ErrorCode::kMisuse, "there is no such part"};
+  const std::span<const Cage> cages = instance.asset->pack().parts()[static_cast<std::size_t>(part)].cages;
+  if (cage < 0 || static_cast<std::size_t>(cage) >= cages.size())
+    return Error{ErrorCode::kMisuse, "the part has no such cage"};
+  const Cage& of = cages[static_cast<std::size_t>(cage)];
+  const Pose& pose = instance.pose ? *instance.pose : RestPose::of(*instance.asset);
+  NodesInPose* const nodes = PoseCages::of(pose, part);
+  if (!nodes || nodes->cages.size() != cages.size()) return kOtherPose;
+  for (std::size_t i = 0; i <= static_cast<std::size_t>(cage); ++i) {
+    if (nodes->cages[i].node_count != cages[i].nodes() || nodes->cages[i].cell_count != cages[i].cells())
+      return kOtherPose;
+  }
+  CageInPose& in = nodes->cages[static_cast<std::size_t>(cage)];
+  const bool made = in.bounded.make(PoseCages::stampOf(pose, part), [&] {
+    if (!PoseCages::place(pose, part) || (nodes->written && !PoseCages::check(pose, part))) return false;
+    placeCoarser(pose, part, cages, cage);
+    boundCells(of, in);
+    return true;
+  });
+  if (!made) return nodes->written ? PoseCages::check(pose, part).error() : nodes->failure;
+  return PosedCage{&of,         {in.nodes, in.node_count}, in.tree[1],
+                   in.inverted, in.inverted_count,         {in.tree, 2 * std::size_t{in.leaves}},
+                   in.leaves};
+}
+
+}  // namespace kelp::runtime

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+// Rays through caged parts from anywhere, by the tree over their cells, after cage.glsl; and kelpTrace, for
+// parts of any kind.
+
+// Where a ray is in a tetrahedron, and the faces by which it enters and leaves.
+struct KelpCrossing {
+  float s0;
+  float s1;
+  int entry;
+  int exit;
+};
+KELP_FN KelpCrossing kelpCrossFace(KelpCrossing before, int face, float f, float slope) {
+  KelpCrossing c = before;
+  float s = -f / slope;
+  if (slope > 0.0f && s > c.s0) {
+    c.s0 = s;
+    c.entry = face;
+  }
+  if (slope < 0.0f && s < c.s1) {
+    c.s1 = s;
+    c.exit = face;
+  }
+  if (slope == 0.0f && f < 0.0f) c.s1 = -KELP_NEVER;
+  return c;
+}
+
+// What a ray through the tree has found.
+struct KelpCageSearch {
+  KelpHit hit;
+  float first;    // where the ray first enters a tetrahedron from anywhere but the inside
+  float emerges;  // where it first does from the inside, of which tetrahedron and by which face
+  uint from_cell;
+  int from_tetrahedron;
+  int from_face;
+};
+// How far it needs to look.
+KELP_FN float kelpSearchEnd(KelpCageSearch found) {
+  return max(found.hit.s, min(found.first, found.emerges));
+}
+// The six tetrahedra of a cell. per: 1 / r.
+KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, vec3 o, vec3 r, vec3 per, float s_min,
+                                     KelpCageSearch before) {
+  KelpCageSearch found = before;
+  uint at = kelpCageCell(cell);
+  vec3 low = vec3(KELP_NEVER);
+  vec3 high = vec3(-KELP_NEVER);
+  for (uint i = 2u; i < 10u; ++i) {
+    vec3 x = KELP_NODE(KELP_CAGE_WORD(at + i));
+    low = min(low, x);
+    high = max(high, x);
+  }
+  vec2 in_box = kelpBoxRange(low, high, o, per, vec2(s_min, kelpSearchEnd(found)));
+  if (!(in_box.x <= in_box.y)) return found;
+  // From here s begins where the ray enters that box, so that numbers are small.
+  float from = in_box.x;
+  vec3 p = o + from * r;
+  float start = s_min - from;
+  float slack = KELP_CAGE_SLACK / float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  for (int number = 0; number < 6; ++number) {
+    KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, p, r);
+    KelpCrossing c;
+    c.s0 = -KELP_NEVER;
+    c.s1 = KELP_NEVER;
+    c.entry = -1;
+    c.exit = -1;
+    float more = slack * g.det;
+    c = kelpCrossFace(c, 0, g.f.x + more, g.slope.x);
+    c = kelpCrossFace(c, 1, g.f.y + more, g.slope.y);
+    c = kelpCrossFace(c, 2, g.f.z + more, g.slope.z);
+    c = kelpCrossFace(c, 3, g.f.w + more, g.slope.w);
+    if (g.turned || !(c.s0 <= c.s1 && c.s1 >= start)) continue;
+    bool from_inside = c.s0 > start && (c.entry == 0 || c.entry == 3) &&
+                       kelpBeyond(KELP_CONTEXT at, g.axes, c.entry) == KELP_CAGE_INSIDE;
+    float s0 = max(c.s0, start);
+    if (from_inside && from + s0 < found.emerges) {
+      found.emerges = from + s0;
+      found.from_cell = cell;
+      found.from_tetrahedron = number;
+      found.from_face = c.entry;
+    }
+    if (!from_inside) found.first = min(found.first, from + s0);
+    vec2 range = vec2(s0, min(c.s1, found.hit.s - from));
+    if (!(range.x <= range.y)) continue;
+    bool enters = range.y == c.s1 && (c.exit == 0 || c.exit == 3) &&
+                  kelpBeyond(KELP_CONTEXT at, g.axes, c.exit) == KELP_CAGE_INSIDE;
+    ++found.hit.clips;
+    found.hit = kelpMarchTetrahedron(KELP_CONTEXT g, cell, from, range, enters ? c.exit : -1, found.hit);
+  }
+  return found;
+}
+
+// The first solid voxel of a caged part along o + s r, s in [s_min, s_max]; o and r as in kelpTrace. Exact in
+// every pose: it walks down the tree, the nearer box first, and tests all tetrahedra of the cells that it
+// comes to. Bit i of `farther`: i levels above there is a farther box to come back to.
+// Cells do not fill the solid: a ray that begins in the inside first meets a tetrahedron from there.
+KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
+  KelpCageSearch found;
+  found.hit = kelpNoHit(s_max);
+  found.first = KELP_NEVER;
+  found.emerges = KELP_NEVER;
+  found.from_cell = 0u;
+  found.from_tetrahedron = 0;
+  found.from_face = 0;
+  vec3 fold_low = KELP_CAGE_FOLD_LOW;
+  vec3 fold_high = KELP_CAGE_FOLD_HIGH;
+  if (fold_low.x <= fold_high.x) found.first = -KELP_NEVER;  // nothing can be said of the inside
+  vec3 per = kelpPerDirection(r);
+  int leaves = KELP_CAGE_LEAVES;
+  uint cells = KELP_CAGE_WORD(0u);
+  int node = 1;
+  uint farther = 0u;
+  bool going = leaves > 0;
+  while (going && found.hit.outside < KELP_MAX_STEPS) {
+    bool down = true;
+    while (down && node < leaves) {
+      vec2 range = vec2(s_min, kelpSearchEnd(found));
+      int left = 2 * node;
+      vec2 in_left = kelpBoxRange(KELP_CAGE_LOW(left), KELP_CAGE_HIGH(left), o, per, range);
+      vec2 in_right = kelpBoxRange(KELP_CAGE_LOW(left + 1), KELP_CAGE_HIGH(left + 1), o, per, range);
+      found.hit.outside += 2;
+      bool meets_left = in_left.x <= in_left.y;
+      bool meets_right = in_right.x <= in_right.y;
+      down = meets_left || meets_right;
+      if (down) {
+        bool right = meets_right && (!meets_left || in_right.x < in_left.x);
+        node = right ? left + 1 : left;
+        farther = farther + farther + (meets_left && meets_right ? 1u : 0u);
+      }
+    }
+    if (down) {
+      uint cell = uint(KELP_LEAF_CELLS * (node - leaves));
+      for (int i = 0; i < KELP_LEAF_CELLS; ++i) {
+        if (cell < cells) found = kelpTraceCell(KELP_CONTEXT cell, o, r, per, s_min, found);
+        ++cell;
+      }
+      ++found.hit.outside;
+    }
+    going = farther != 0u;
+    while (going && (farther & 1u) == 0u) {
+      farther = farther >> 1u;
+      node = node >> 1;
+    }
+    farther = farther & 0xfffffffeu;
+    node = node ^ 1;
+  }
+  // The ray began inside: no other tetrahedron is before that by which it emerges.
+  KelpHit hit = found.hit;
+  if (found.emerges < KELP_NEVER && found.emerges <= found.first + KELP_ERODE) {
+    KelpTetrahedron g =
+        kelpTetrahedron(KELP_CONTEXT kelpCageCell(found.from_cell), found.from_tetrahedron, o, r);
+    hit = kelpMarchTetrahedron(KELP_CONTEXT g, found.from_cell, 0.0f, vec2(found.emerges), found.from_face,
+                               kelpNoHit(s_max));
+    hit.s = s_min;
+    hit.steps = hit.steps + found.hit.steps;
+    hit.outside = found.hit.outside;
+    hit.clips = found.hit.clips;
+    if (!hit.found) hit = found.hit;
+  }
+#ifdef KELP_DISTANCES
+  hit.room = 0.0;
+#endif
+  return hit;
+}
+
+// The first solid voxel along o + s r, s in [s_min, s_max]. r is a unit vector. The nearer o is to the
+// volume, the more exact the result.
+KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
+  if (KELP_CAGED) return kelpTraceCaged(KELP_CONTEXT o, r, s_min, s_max);
+  if (KELP_SWEPT) return kelpTraceSwept(KELP_CONTEXT o, r, s_min, s_max);
+  return kelpTraceSheared(KELP_CONTEXT o, r, s_min, s_max);
+}
