@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The order of chunks: INFO PART MATL FOGS RIGS CLIP SOCK JNTS; then for each level, coarse to fine, and for
-// each part, GRID and BRCK or FOGB; then for each level of distances and each solid part, DGRD and DIST, or
-// none of these. Unknown optional chunks may stand anywhere between.
+// The order of chunks: INFO PART MATL FOGS RIGS CLIP SOCK JNTS CAGE; then for each level, coarse to fine, and
+// for each part, GRID and BRCK or FOGB; then for each level of distances and each solid part, DGRD and DIST,
+// or none of these. Unknown optional chunks may stand anywhere between.
 #include <algorithm>
 
 #include "container.h"
@@ -20,7 +20,7 @@ Error wrongOrder(const char* detail, std::size_t index) {
 bool isMetadata(std::uint32_t fourcc) {
   using namespace layout;
   return fourcc == kInfo || fourcc == kPart || fourcc == kMatl || fourcc == kFogs || fourcc == kRigs ||
-         fourcc == kClip || fourcc == kSock || fourcc == kJnts;
+         fourcc == kClip || fourcc == kSock || fourcc == kJnts || fourcc == kCage;
 }
 
 bool isLevel(std::uint32_t fourcc) { return layout::isGrid(fourcc) || layout::isPages(fourcc); }
@@ -87,10 +87,10 @@ Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const Pac
     std::uint32_t fourcc;
     std::size_t* index;
   };
-  const Slot slots[] = {{layout::kInfo, &found.info}, {layout::kPart, &found.part},
-                        {layout::kMatl, &found.matl}, {layout::kFogs, &found.fogs},
-                        {layout::kRigs, &found.rigs}, {layout::kClip, &found.clip},
-                        {layout::kSock, &found.sock}, {layout::kJnts, &found.jnts}};
+  const Slot slots[] = {
+      {layout::kInfo, &found.info}, {layout::kPart, &found.part}, {layout::kMatl, &found.matl},
+      {layout::kFogs, &found.fogs}, {layout::kRigs, &found.rigs}, {layout::kClip, &found.clip},
+      {layout::kSock, &found.sock}, {layout::kJnts, &found.jnts}, {layout::kCage, &found.cage}};
   const Slot* next = std::begin(slots);
   bool levels = false;
   std::uint64_t total = 0;

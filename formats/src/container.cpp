@@ -12,10 +12,11 @@ namespace {
 
 using ChunkInfo = Pack::ChunkInfo;
 
-// A pack can be drawn without INFO, CLIP, SOCK, JNTS and distances, but not without the others.
+// A pack can be drawn without INFO, CLIP, SOCK, JNTS, CAGE and distances, but not without the others.
 bool mustBeRequired(std::uint32_t fourcc) {
   return fourcc != layout::kInfo && fourcc != layout::kClip && fourcc != layout::kSock &&
-         fourcc != layout::kJnts && fourcc != layout::kDgrd && fourcc != layout::kDist;
+         fourcc != layout::kJnts && fourcc != layout::kCage && fourcc != layout::kDgrd &&
+         fourcc != layout::kDist;
 }
 
 std::uint64_t entryOffset(std::size_t index) {

@@ -36,9 +36,9 @@ Error inFile(const Error& error, const Pack::ChunkInfo& chunk);
 // Where the metadata chunks are in the index.
 struct MetadataChunks {
   static constexpr std::size_t kNone = ~std::size_t{0};
-  // info, fogs, clip, sock and jnts may be absent
+  // info, fogs, clip, sock, jnts and cage may be absent
   std::size_t info = kNone, part = kNone, matl = kNone, fogs = kNone, rigs = kNone, clip = kNone,
-              sock = kNone, jnts = kNone;
+              sock = kNone, jnts = kNone, cage = kNone;
 };
 // Finds the metadata chunks and checks their order. kLimit if together they are larger than the limits
 // allow.

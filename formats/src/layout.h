@@ -32,6 +32,7 @@ inline constexpr std::uint32_t kRigs = fourcc("RIGS");
 inline constexpr std::uint32_t kClip = fourcc("CLIP");
 inline constexpr std::uint32_t kSock = fourcc("SOCK");
 inline constexpr std::uint32_t kJnts = fourcc("JNTS");
+inline constexpr std::uint32_t kCage = fourcc("CAGE");
 inline constexpr std::uint32_t kGrid = fourcc("GRID");
 inline constexpr std::uint32_t kBrck = fourcc("BRCK");
 inline constexpr std::uint32_t kFogb = fourcc("FOGB");
@@ -40,8 +41,8 @@ inline constexpr std::uint32_t kDist = fourcc("DIST");
 
 constexpr bool isKnown(std::uint32_t chunk) {
   return chunk == kInfo || chunk == kPart || chunk == kMatl || chunk == kFogs || chunk == kRigs ||
-         chunk == kClip || chunk == kSock || chunk == kJnts || chunk == kGrid || chunk == kBrck ||
-         chunk == kFogb || chunk == kDgrd || chunk == kDist;
+         chunk == kClip || chunk == kSock || chunk == kJnts || chunk == kCage || chunk == kGrid ||
+         chunk == kBrck || chunk == kFogb || chunk == kDgrd || chunk == kDist;
 }
 
 // True if the chunk consists of pages, which are compressed one by one.
@@ -118,6 +119,7 @@ inline constexpr std::size_t kClipHeader = 20, kClipRecord = 16, kWaveRecord = 3
                              kKeyRecord = 52;
 inline constexpr std::size_t kSockHeader = 8, kSockRecord = 36;
 inline constexpr std::size_t kJntsHeader = 12, kJntsRecord = 60;
+inline constexpr std::size_t kCageTable = 4, kCageRecord = 16;
 
 // Distances: the header of DGRD; a brick in a page of DIST: its bits, then its corrections.
 inline constexpr std::size_t kDgrdHeader = 8;

@@ -39,7 +39,9 @@ struct Metadata {
         sockets(allocator),
         joint_names(allocator),
         joint_parts(allocator),
-        joints(allocator) {}
+        joints(allocator),
+        cages(allocator),
+        cage_words(allocator) {}
 
   // Subtracts the bytes of a table from the room that is left. False if the limits do not allow it. Counts
   // have 32 bits, so the product does not overflow.
@@ -69,6 +71,8 @@ struct Metadata {
   Buffer<char> joint_names;
   Buffer<std::uint32_t> joint_parts;
   Buffer<Joint> joints;  // names point into joint_names, parts into joint_parts
+  Buffer<Cage> cages;    // parts point here; spans point into cage_words
+  Buffer<std::uint32_t> cage_words;
 };
 
 Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out);
@@ -81,6 +85,7 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);     // 
 Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);    // call it after parseRigs
 Result<void> parseSockets(std::span<const std::byte> chunk, Metadata& out);  // call it after parseParts
 Result<void> parseJoints(std::span<const std::byte> chunk, Metadata& out);   // likewise
+Result<void> parseCages(std::span<const std::byte> chunk, Metadata& out);    // likewise
 
 // True if the text is UTF-8 without overlong forms, surrogates and U+0000. A name must not have control
 // characters either.

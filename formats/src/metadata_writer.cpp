@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "metadata_writer.h"
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string_view>
+#include <vector>
 
 #include "layout.h"
 
@@ -24,6 +27,11 @@ class RecordWriter {
   void text(std::string_view text) {
     if (!text.empty()) std::memcpy(out_.data() + at_, text.data(), text.size());
     at_ += text.size();
+  }
+  template <class T>
+  void array(const std::vector<T>& values) {
+    if (!values.empty()) std::memcpy(out_.data() + at_, values.data(), values.size() * sizeof(T));
+    at_ += values.size() * sizeof(T);
   }
 
  private:
@@ -221,6 +229,55 @@ bool buildJoints(const RawPack& pack, Buffer<std::byte>& out) {
     for (const std::uint32_t part : joint.parts) to.put(part);
   for (const RawJoint& joint : pack.joints) to.text(joint.name);
   return true;
+}
+
+Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
+  std::uint64_t bytes = layout::kCageTable + pack.parts.size();
+  for (const RawPart& part : pack.parts) {
+    if (part.cages.empty()) continue;
+    if (part.cell != 2 && part.cell != 4 && part.cell != 8 && part.cell != 16)
+      return misuse("the cells of a part's cage do not have a side of 2, 4, 8 or 16");
+    if (part.cages.size() !=
+        static_cast<std::size_t>(cageCount(part.cell, static_cast<int>(part.levels.size()))))
+      return misuse("a part does not have the cages that its levels need");
+    for (const RawCage& cage : part.cages)
+      bytes += layout::kCageRecord + cage.blocks.size() + cage.masks.size() + cage.splits.size() +
+               sizeof(std::uint32_t) * (cage.split_points.size() + cage.follows.size());
+  }
+  if (bytes > std::numeric_limits<std::uint32_t>::max()) return misuse("the cages take more than 4 GiB");
+  if (!out.reset(bytes)) return kNoMemory;
+  RecordWriter to(out);
+  to.count(pack.parts.size());
+  for (const RawPart& part : pack.parts)
+    to.put(static_cast<std::uint8_t>(
+        part.cages.empty() ? 0 : std::countr_zero(static_cast<unsigned>(part.cell))));
+  for (const RawPart& part : pack.parts) {
+    CageMemory memory[2];
+    Cage cages[2];
+    for (std::size_t i = 0; i < part.cages.size(); ++i) {
+      const Result<Cage> cage =
+          makeCage(part.cages[i].source(), part.size, static_cast<int>(part.levels.size()), part.cell,
+                   static_cast<int>(i), i > 0 ? &cages[(i - 1) & 1] : nullptr,
+                   std::numeric_limits<std::uint64_t>::max(), memory[i & 1]);
+      if (!cage)
+        return cage.error().code == ErrorCode::kOutOfMemory ? kNoMemory : misuse(cage.error().detail);
+      cages[i & 1] = *cage;
+      to.count(cage->nodes());
+      to.count(cage->faces());
+      to.count(part.cages[i].split_points.size());
+      to.count(part.cages[i].splits.size());
+    }
+  }
+  const auto putAll = [&](auto array) {
+    for (const RawPart& part : pack.parts)
+      for (const RawCage& cage : part.cages) to.array(cage.*array);
+  };
+  putAll(&RawCage::blocks);
+  putAll(&RawCage::masks);
+  putAll(&RawCage::split_points);
+  putAll(&RawCage::splits);
+  putAll(&RawCage::follows);
+  return {};
 }
 
 }  // namespace kelp

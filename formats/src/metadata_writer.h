@@ -23,6 +23,8 @@ inline constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write th
 [[nodiscard]] bool buildClips(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildSockets(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildJoints(const RawPack& pack, Buffer<std::byte>& out);
+// For a pack with a cage. kMisuse if a cage breaks a rule or a part lacks one; kOutOfMemory.
+Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out);
 
 inline Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
 

@@ -82,7 +82,9 @@ Result<void> Pack::Impl::readMetadata() {
     return r;
   if (const Result<void> r = readTable(found->sock, [&](Bytes b) { return parseSockets(b, metadata); }); !r)
     return r;
-  return readTable(found->jnts, [&](Bytes b) { return parseJoints(b, metadata); });
+  if (const Result<void> r = readTable(found->jnts, [&](Bytes b) { return parseJoints(b, metadata); }); !r)
+    return r;
+  return readTable(found->cage, [&](Bytes b) { return parseCages(b, metadata); });
 }
 
 Result<void> Pack::Impl::read() {

@@ -112,9 +112,18 @@ class Writer {
       if (!buildSockets(pack_, table)) return kNoMemory;
       if (const Result<void> r = add(layout::kSock, false, parseSockets(table.span(), parsed)); !r) return r;
     }
-    if (pack_.joints.empty()) return {};
-    if (!buildJoints(pack_, table)) return kNoMemory;
-    return add(layout::kJnts, false, parseJoints(table.span(), parsed));
+    if (!pack_.joints.empty()) {
+      if (!buildJoints(pack_, table)) return kNoMemory;
+      if (const Result<void> r = add(layout::kJnts, false, parseJoints(table.span(), parsed)); !r) return r;
+    }
+    if (!hasCages()) return {};
+    if (const Result<void> r = buildCages(pack_, table); !r) return r;
+    return add(layout::kCage, false, parseCages(table.span(), parsed));
+  }
+
+  bool hasCages() const {
+    return std::any_of(pack_.parts.begin(), pack_.parts.end(),
+                       [](const RawPart& part) { return !part.cages.empty(); });
   }
 
   Result<void> packLevels() {
@@ -279,7 +288,7 @@ class Writer {
     layout::store(head.span(), 12, kFormatMajor);
     const bool any_empty = std::any_of(pack_.parts.begin(), pack_.parts.end(),
                                        [](const RawPart& part) { return part.levels.empty(); });
-    const std::uint16_t minor = !pack_.joints.empty() ? 2 : any_empty ? 1 : 0;
+    const std::uint16_t minor = hasCages() ? 3 : !pack_.joints.empty() ? 2 : any_empty ? 1 : 0;
     layout::store(head.span(), 14, minor);
     layout::store(head.span(), 16, end);
     layout::store(head.span(), 24, static_cast<std::uint32_t>(chunk_count_));
@@ -312,7 +321,7 @@ class Writer {
     return offset == written_ || send(std::span(kZeros).first(static_cast<std::size_t>(offset - written_)));
   }
 
-  static constexpr std::size_t kMetadataChunks = 8;
+  static constexpr std::size_t kMetadataChunks = 9;
 
   const RawPack& pack_;
   const Sink& sink_;

@@ -61,6 +61,9 @@ class RigWriter {
     if (found.jnts != MetadataChunks::kNone)
       if (const Result<void> r = readTable(found.jnts, [&](Bytes b) { return parseJoints(b, parsed_); }); !r)
         return r;
+    if (found.cage != MetadataChunks::kNone)
+      if (const Result<void> r = readTable(found.cage, [&](Bytes b) { return parseCages(b, parsed_); }); !r)
+        return r;
     if (found.fogs == MetadataChunks::kNone) {
       if (const Result<void> r = parseFogs({}, parsed_); !r) return r;
     } else if (const Result<void> r = readTable(found.fogs, [&](Bytes b) { return parseFogs(b, parsed_); });

@@ -121,6 +121,8 @@ class Verifier {
       checkTable(chunk, [&](Bytes b) { return parseSockets(b, model_); });
     } else if (index == metadata.jnts && parts_good_) {
       checkTable(chunk, [&](Bytes b) { return parseJoints(b, model_); });
+    } else if (index == metadata.cage && parts_good_) {
+      checkTable(chunk, [&](Bytes b) { return parseCages(b, model_); });
     } else {
       // An unknown kind, or a chunk whose content cannot be checked because an earlier table is wrong.
       checkStored(chunk);

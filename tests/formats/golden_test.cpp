@@ -12,6 +12,7 @@
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "support/random_pack.h"
+#include "tiny_cage_pack.h"
 #include "tiny_distance_pack.h"
 #include "tiny_fog_pack.h"
 #include "tiny_pack.h"
@@ -40,7 +41,8 @@ const Golden kGoldens[] = {{"solid.kelp", test::makeTinyPack},
                            {"fog.kelp", test::makeTinyFogPack},
                            {"distance.kelp", test::makeTinyDistancePack},
                            {"empty.kelp", test::makeTinyEmptyPack},
-                           {"joints.kelp", test::makeTinyJointPack}};
+                           {"joints.kelp", test::makeTinyJointPack},
+                           {"cage.kelp", test::makeTinyCagePack}};
 
 TEST(Golden, ReadsAsItWasWritten) {
   for (const Golden& golden : kGoldens) {
@@ -52,7 +54,8 @@ TEST(Golden, ReadsAsItWasWritten) {
     const test::Comparison result = test::compare(*pack, golden.make());
     ASSERT_TRUE(result.status);
     EXPECT_TRUE(result.equal);
-    EXPECT_EQ(pack->minorVersion(), golden.make == test::makeTinyJointPack   ? 2
+    EXPECT_EQ(pack->minorVersion(), golden.make == test::makeTinyCagePack    ? 3
+                                    : golden.make == test::makeTinyJointPack ? 2
                                     : golden.make == test::makeTinyEmptyPack ? 1
                                                                              : 0);
     EXPECT_EQ(verify(file->source(), {}, nullptr, nullptr), 0u);

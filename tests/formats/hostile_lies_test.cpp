@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "cage_lies.h"
 #include "joint_lies.h"
 #include "lying_pack.h"
 #include "socket_lies.h"
@@ -293,6 +294,7 @@ TEST(Hostile, LiesInPaletteAndRigsAreRefused) { expectAllRefused(kPaletteAndRigL
 TEST(Hostile, LiesInTheClipsAreRefused) { expectAllRefused(kClipLies); }
 TEST(Hostile, LiesInTheSocketsAreRefused) { expectAllRefused(test::kSocketLies); }
 TEST(Hostile, LiesInTheJointsAreRefused) { expectAllRefused(test::kJointLies, test::makeTinyJointPack()); }
+TEST(Hostile, LiesInTheCagesAreRefused) { expectAllRefused(test::kCageLies, test::makeTinyCagePack()); }
 TEST(Hostile, LiesInGridsAreRefused) { expectAllRefused(kGridLies); }
 TEST(Hostile, LiesInPagesAreRefused) { expectAllRefused(kPageLies); }
 

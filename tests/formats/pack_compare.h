@@ -55,6 +55,19 @@ std::vector<std::byte> bytesOf(const Range& range) {
   return bytes;
 }
 
+// True if a cage is as makeCage() makes it of what was written.
+inline bool isCage(const Part& part, std::size_t i, const RawPart& raw) {
+  CageMemory memory;
+  const Cage& cage = part.cages[i];
+  const Result<Cage> want =
+      makeCage(raw.cages[i].source(), raw.size, static_cast<int>(raw.levels.size()), raw.cell,
+               static_cast<int>(i), i > 0 ? &part.cages[i - 1] : nullptr, ~std::uint64_t{0}, memory);
+  return want && cage.side == want->side && cage.first_level == want->first_level &&
+         cage.last_level == want->last_level && cage.grid == want->grid &&
+         bytesOf(cage.words) == bytesOf(want->words) && bytesOf(cage.places) == bytesOf(want->places) &&
+         bytesOf(cage.follows) == bytesOf(want->follows);
+}
+
 // Reads everything of a pack, pages into memory of the allocator. status: the first error; equal: whether all
 // is what was written.
 struct Comparison {
@@ -99,6 +112,8 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
       check(got->density == want.density && got->heat == want.heat);
       check(!a.fog || a.fog->extinction[static_cast<std::size_t>(level)] == want.extinction);
     }
+    check(a.cages.size() == b.cages.size());
+    for (std::size_t i = 0; i < a.cages.size() && out.equal; ++i) check(isCage(a, i, b));
     check(static_cast<std::size_t>(pack.distanceLevels(static_cast<int>(p))) == b.distances.size());
     for (int level = 0; out.equal && level < pack.distanceLevels(static_cast<int>(p)); ++level) {
       const ReadDistances got = readDistances(pack, static_cast<int>(p), level, allocator);

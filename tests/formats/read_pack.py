@@ -20,6 +20,7 @@ import sys
 import zlib
 
 from arcs import Folds, Sweep
+from cages import Cage, WrongCage, served
 from read_page import Page, Refused, need
 from xxh3 import xxh3_64
 
@@ -93,9 +94,9 @@ def regular(m):
 
 
 PI = struct.unpack("<f", struct.pack("<f", math.pi))[0]
-METADATA = ["INFO", "PART", "MATL", "FOGS", "RIGS", "CLIP", "SOCK", "JNTS"]
-REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "FOGS": 1, "RIGS": 1, "CLIP": 0, "SOCK": 0, "JNTS": 0, "GRID": 1,
-        "BRCK": 1, "FOGB": 1, "DGRD": 0, "DIST": 0}
+METADATA = ["INFO", "PART", "MATL", "FOGS", "RIGS", "CLIP", "SOCK", "JNTS", "CAGE"]
+REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "FOGS": 1, "RIGS": 1, "CLIP": 0, "SOCK": 0, "JNTS": 0, "CAGE": 0,
+        "GRID": 1, "BRCK": 1, "FOGB": 1, "DGRD": 0, "DIST": 0}
 
 
 class Pack:
@@ -174,6 +175,13 @@ class Pack:
         self.joints = []
         if "JNTS" in content:
             self.read_joints(Table(content["JNTS"], "JNTS"))
+        for part in self.parts:
+            part["cages"] = []
+        if "CAGE" in content:
+            try:
+                self.read_cages(Table(content["CAGE"], "CAGE"))
+            except WrongCage as why:
+                raise Refused(str(why)) from why
 
     def read_parts(self, table):
         count, text_bytes = table.take("II")
@@ -325,6 +333,32 @@ class Pack:
             need(regular(record[2:14]), "a joint's inverse bind matrix")
             need(all(a < b for a, b in zip(parts, parts[1:] + (len(self.parts),))), "a joint's parts")
             self.joints.append((table.name(record[0]), record[1], record[2:14], parts))
+        table.end()
+
+    def read_cages(self, table):
+        need(table.one("I") == len(self.parts), "cages of another number of parts")
+        logs = table.take("%dB" % len(self.parts))
+        need(any(logs) and max(logs) <= 4, "sides of cells")
+        cages = []
+        for part, log in zip(self.parts, logs):
+            need(log == 0 or part["kind"] == 0, "a cage of a part that is not solid")
+            for side, first, last in served(1 << log, part["levels"] if log else 0):
+                part["cages"].append(Cage(side, first, last, part["size"]))
+            cages += part["cages"]
+        counts = [table.take("IIII") for _ in cages]
+        for cage in cages:
+            cage.take_blocks(table.take("%dB" % cage.cubes))
+        for cage in cages:
+            cage.take_masks(bytes(table.take("%dB" % cage.mask_bytes())))
+        points = [table.take("%dI" % count[2]) for count in counts]
+        for cage, point, count in zip(cages, points, counts):
+            cage.take_splits(point, table.take("%dB" % count[3]))
+            cage.join()
+            need((len(cage.places), len(cage.faces)) == count[:2], "number of nodes or faces")
+        for part in self.parts:
+            for finer, cage in zip(part["cages"], part["cages"][1:]):
+                cage.follows = table.take("%dI" % len(cage.places))
+                need(max(cage.follows) < len(finer.cells), "a followed cell")
         table.end()
 
     # Section 5
@@ -546,6 +580,19 @@ def bits(values):
     return " ".join("%08x" % struct.unpack("<I", struct.pack("<f", v)) for v in values)
 
 
+def crc_words(words):
+    return zlib.crc32(struct.pack("<%dI" % len(words), *words))
+
+
+def dump_cage(cage):
+    flat = lambda lists: [value for values in lists for value in values]
+    return "cage side %d levels %d %d cells %d nodes %d faces %d crc %08x %08x %08x %08x %08x %08x %08x" % (
+            cage.side, cage.first, cage.last, len(cage.cells), len(cage.places), len(cage.faces),
+            crc_words(flat(place for place, _ in cage.cells)), crc_words(flat(cage.corner_nodes)),
+            crc_words(flat(cage.beyond)), crc_words(cage.faces), crc_words(cage.masks),
+            crc_words(flat(cage.places)), crc_words(cage.follows))
+
+
 def dump(pack):
     out = ["minor %d" % pack.minor, "info " + pack.info]
     out += ["material " + bits(entry) for entry in pack.palette]
@@ -557,6 +604,7 @@ def dump(pack):
         out += ["knot " + bits(knot) for knot in part["knots"]]
         out.append("automatic %x parent at %s" % (part["automatic"], bits([part["parent_at"]])))
         out.append("bend %d roll %s" % (part["bend"], bits([part["roll"]])))
+        out += [dump_cage(cage) for cage in part["cages"]]
         if part["kind"] == 1:
             out += ["fog " + bits(part["fog"])] + ["color " + bits(color) for color in part["ramp"]]
             for level, extinction in zip(part["level"], part["extinction"]):

@@ -13,6 +13,7 @@
 #include <random>
 #include <string>
 
+#include "cage_lies.h"
 #include "joint_lies.h"
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
@@ -21,6 +22,7 @@
 #include "support/all_tests.h"
 #include "support/random_pack.h"
 #include "support/scratch.h"
+#include "tiny_cage_pack.h"
 #include "tiny_distance_pack.h"
 #include "tiny_fog_pack.h"
 #include "tiny_pack.h"
@@ -96,11 +98,52 @@ std::vector<std::uint8_t> withoutRanks(std::vector<std::uint8_t> codes) {
   return codes;
 }
 
+std::string dump(const Cage& cage) {
+  std::vector<std::uint32_t> places, nodes, beyond, faces, masks, rest;
+  for (std::uint32_t i = 0; i < cage.cells(); ++i) {
+    const glm::ivec3 place = cage.place(i);
+    for (int axis = 0; axis < 3; ++axis) places.push_back(static_cast<std::uint32_t>(place[axis]));
+    nodes.insert(nodes.end(), cage.cell(i) + 2, cage.cell(i) + 10);
+    beyond.insert(beyond.end(), cage.cell(i) + 10, cage.cell(i) + 16);
+  }
+  for (std::uint32_t i = 0; i < cage.faces(); ++i) faces.push_back(cage.face(i));
+  const std::span<const std::uint32_t> after =
+      cage.words.subspan(kCageHeader + kCageCellWords * cage.cells() + cage.faces());
+  masks.assign(after.begin(), after.end());
+  for (std::uint32_t i = 0; i < cage.nodes(); ++i)
+    for (int axis = 0; axis < 3; ++axis) rest.push_back(static_cast<std::uint32_t>(cage.rest(i)[axis]));
+  return format("cage side %d levels %d %d cells %u nodes %u faces %u", cage.side, cage.first_level,
+                cage.last_level, cage.cells(), cage.nodes(), cage.faces()) +
+         format(" crc %08x %08x %08x %08x %08x %08x", crc32(places), crc32(nodes), crc32(beyond),
+                crc32(faces), crc32(masks), crc32(rest)) +
+         format(" %08x\n", crc32(std::vector<std::uint32_t>(cage.follows.begin(), cage.follows.end())));
+}
+
+std::string dumpCages(const RawPart& part) {
+  std::string out;
+  std::vector<CageMemory> memory(part.cages.size());
+  std::vector<Cage> cages;
+  for (std::size_t i = 0; i < part.cages.size(); ++i) {
+    const Result<Cage> cage =
+        makeCage(part.cages[i].source(), part.size, static_cast<int>(part.levels.size()), part.cell,
+                 static_cast<int>(i), i > 0 ? &cages.back() : nullptr, ~std::uint64_t{0}, memory[i]);
+    EXPECT_TRUE(cage);
+    if (!cage) return out;
+    cages.push_back(*cage);
+    out += dump(*cage);
+  }
+  return out;
+}
+
 std::string dump(const RawPack& pack) {
+  const bool any_caged =
+      std::any_of(pack.parts.begin(), pack.parts.end(), [](const RawPart& p) { return !p.cages.empty(); });
   const bool any_empty =
       std::any_of(pack.parts.begin(), pack.parts.end(), [](const RawPart& p) { return p.levels.empty(); });
-  std::string out =
-      format("minor %d\ninfo ", !pack.joints.empty() ? 2 : int{any_empty}) + pack.info_json + "\n";
+  std::string out = format("minor %d\ninfo ", any_caged              ? 3
+                                              : !pack.joints.empty() ? 2
+                                                                     : int{any_empty}) +
+                    pack.info_json + "\n";
   for (const Material& m : pack.palette) out += "material " + bits(m) + "\n";
   for (const RawPart& part : pack.parts) {
     out += "part " + hex(part.name) +
@@ -114,6 +157,7 @@ std::string dump(const RawPack& pack) {
     out += format("automatic %llx parent at ", static_cast<unsigned long long>(part.automatic_tangents)) +
            bits(part.parent_at) + format("\nbend %d roll ", static_cast<int>(part.bend)) + bits(part.roll) +
            "\n";
+    out += dumpCages(part);
     if (part.fog) {
       out += "fog " + bits(part.fog->color) + " " + bits(part.fog->anisotropy) + " " + bits(part.fog->glow) +
              "\n";
@@ -160,8 +204,9 @@ std::string dump(const RawPack& pack) {
 }
 
 TEST(SecondReader, ReadsWhatTheWriterWrote) {
-  std::vector<RawPack> packs = {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
-                                test::makeTinyEmptyPack(), test::makeTinyJointPack()};
+  std::vector<RawPack> packs = {test::makeTinyPack(),         test::makeTinyFogPack(),
+                                test::makeTinyDistancePack(), test::makeTinyEmptyPack(),
+                                test::makeTinyJointPack(),    test::makeTinyCagePack()};
   packs.push_back(test::makeTinyFogPack());
   packs.back().parts[2].bend = Bend::kSweep;
   for (std::uint32_t seed = 50; seed < 52; ++seed) packs.push_back(test::makeRandomPack(seed, {3, 50, 3, 3}));
@@ -175,8 +220,9 @@ TEST(SecondReader, ReadsWhatTheWriterWrote) {
 }
 
 TEST(SecondReader, SeesEveryChangedByte) {
-  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
-                              test::makeTinyEmptyPack(), test::makeTinyJointPack()}) {
+  for (const RawPack& pack :
+       {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
+        test::makeTinyEmptyPack(), test::makeTinyJointPack(), test::makeTinyCagePack()}) {
     const PackFile file(test::writeToMemory(pack));
     const Answer damaged = readPack("--damage \"" + file.path.string() + "\"");
     if (damaged.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
@@ -190,8 +236,9 @@ TEST(SecondReader, RefusesTheSameLies) {
   const auto below = [&](std::size_t count) { return static_cast<std::size_t>(random() % count); };
   const int lies = test::allTests() ? 60 : 6;  // of each pack
   int refused = 0, accepted = 0;
-  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
-                              test::makeTinyEmptyPack(), test::makeTinyJointPack()}) {
+  for (const RawPack& pack :
+       {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
+        test::makeTinyEmptyPack(), test::makeTinyJointPack(), test::makeTinyCagePack()}) {
     const test::PackSurgeon sound(test::writeToMemory(pack));
     for (int i = 0; i < lies; ++i) {
       test::PackSurgeon lying = sound;
@@ -238,6 +285,9 @@ void expectRefused(std::span<const test::Lie> lies, const test::Bytes& sound) {
 TEST(SecondReader, RefusesLiesAboutSockets) { expectRefused(test::kSocketLies, test::tinyBytes()); }
 TEST(SecondReader, RefusesLiesAboutJoints) {
   expectRefused(test::kJointLies, test::writeToMemory(test::makeTinyJointPack()));
+}
+TEST(SecondReader, RefusesLiesAboutCages) {
+  expectRefused(test::kCageLies, test::writeToMemory(test::makeTinyCagePack()));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ enum class IssueId : std::uint16_t {
   kChunkChecksum = 200,   // the bytes of a chunk differ from their checksum
   kPaddingNotZero = 201,  // a byte between chunks, or a reserved field, is not zero
   kUnknownChunk = 202,    // warning: an optional chunk that this version does not know
-  kMetadata = 300,        // PART, MATL, FOGS, RIGS, CLIP, SOCK, JNTS or INFO breaks a rule
+  kMetadata = 300,        // PART, MATL, FOGS, RIGS, CLIP, SOCK, JNTS, CAGE or INFO breaks a rule
   kNotMonotone = 301,     // the rest rig of a part turns back
   kFolds = 302,           // the rest rig of a swept part bends too sharply for its thickness
   kGrid = 400,            // a grid cannot be read

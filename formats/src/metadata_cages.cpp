@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+// The CAGE chunk.
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+#include "cage_maker.h"
+#include "metadata.h"
+#include "record_reader.h"
+
+namespace kelp {
+namespace {
+
+// Takes one array after the other.
+class ArrayReader {
+ public:
+  ArrayReader(std::span<const std::byte> bytes, std::uint64_t at) : bytes_(bytes), at_(at) {}
+
+  bool has(std::uint64_t bytes) const { return at_ <= bytes_.size() && bytes <= bytes_.size() - at_; }
+  std::span<const std::uint8_t> bytes(std::size_t count) {
+    const auto* const first = reinterpret_cast<const std::uint8_t*>(bytes_.data() + at_);
+    at_ += count;
+    return {first, count};
+  }
+  void words(std::span<std::uint32_t> out) {
+    if (!out.empty()) std::memcpy(out.data(), bytes_.data() + at_, out.size_bytes());
+    at_ += out.size_bytes();
+  }
+  bool done() const { return at_ == bytes_.size(); }
+
+ private:
+  std::span<const std::byte> bytes_;
+  std::uint64_t at_;
+};
+
+// A cage, as far as the table says before it is made.
+struct CagePlan {
+  Cage shape;
+  CageSource source;
+  std::uint32_t nodes = 0, faces = 0, split_points = 0, splits = 0;
+  std::size_t at = 0;  // its record in the chunk
+  std::uint64_t words = 0;
+
+  bool isFinest() const { return shape.first_level == 0; }
+  std::uint32_t followers() const { return isFinest() ? 0 : nodes; }
+};
+
+struct CageTable {
+  std::span<const std::byte> chunk;
+  Metadata& out;
+  Buffer<CagePlan> plans{out.allocator};
+  Buffer<std::uint32_t> split_points{out.allocator};  // of all cages
+  ArrayReader arrays{chunk, 0};
+
+  Error inRecord(const Error& error, const CagePlan& plan) const {
+    return {error.code, error.detail, plan.at};
+  }
+  int cellOf(std::size_t part) const {
+    const auto log = layout::load<std::uint8_t>(chunk, layout::kCageTable + part);
+    return log == 0 ? 0 : 1 << log;
+  }
+
+  Result<void> countCages();
+  Result<void> readRecords();
+  Result<void> measure();
+  Result<void> make();
+};
+
+Result<void> CageTable::countCages() {
+  const std::size_t parts = out.parts.size();
+  if (chunk.size() < layout::kCageTable + parts || layout::load<std::uint32_t>(chunk, 0) != parts)
+    return corrupt("the cage table has a different number of parts", 0);
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < parts; ++i) {
+    const std::size_t at = layout::kCageTable + i;
+    const auto log = layout::load<std::uint8_t>(chunk, at);
+    if (log > 4) return corrupt("the cells of a part's cage do not have a side of 2, 4, 8 or 16", at);
+    if (log == 0) continue;
+    if (out.parts[i].kind != PartKind::kSolid) return corrupt("a part that is not solid has a cage", at);
+    count += static_cast<std::uint64_t>(cageCount(1 << log, out.parts[i].levels));
+  }
+  if (count == 0) return corrupt("there is a cage table, but no part has a cage", 0);
+  if ((chunk.size() - layout::kCageTable - parts) / layout::kCageRecord < count)
+    return corrupt("the cage table is too short", 0);
+  if (!out.takeRoom(count, sizeof(Cage) + sizeof(CagePlan))) return tooLarge();
+  if (!out.cages.reset(count) || !plans.reset(count)) return outOfMemory("no memory for the cages");
+  return {};
+}
+
+Result<void> CageTable::readRecords() {
+  RecordReader in(chunk, layout::kCageTable + out.parts.size());
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < out.parts.size(); ++i) {
+    Part& part = out.parts[i];
+    const int cell = cellOf(i), count = cell ? cageCount(cell, part.levels) : 0;
+    part.cages = out.cages.span().subspan(next, static_cast<std::size_t>(count));
+    for (int number = 0; number < count; ++number) {
+      CagePlan& plan = plans[next++];
+      plan.at = in.at();
+      const Result<Cage> shape = cageShape(part.size, part.levels, cell, number);
+      if (!shape) return inRecord(shape.error(), plan);
+      plan.shape = *shape;
+      plan.nodes = in.u32();
+      plan.faces = in.u32();
+      plan.split_points = in.u32();
+      plan.splits = in.u32();
+    }
+  }
+  arrays = ArrayReader(chunk, in.at());
+  return {};
+}
+
+// Finds all arrays but what coarser cages follow, and takes room for the cages.
+Result<void> CageTable::measure() {
+  const Error too_short = corrupt("the cage table's size does not match its counts", 0);
+  for (CagePlan& plan : plans) {
+    const glm::ivec3& grid = plan.shape.grid;
+    const std::size_t blocks = static_cast<std::size_t>(grid.x) * static_cast<std::size_t>(grid.y) *
+                               static_cast<std::size_t>(grid.z);
+    if (!arrays.has(blocks)) return too_short;
+    plan.source.blocks = arrays.bytes(blocks);
+  }
+  std::uint64_t words = 0, transient = 0, points = 0;
+  for (CagePlan& plan : plans) {
+    CageMaker maker(plan.source, plan.shape, out.allocator);
+    if (const Result<void> r = maker.count(); !r) return inRecord(r.error(), plan);
+    const std::uint64_t masks = std::uint64_t{maker.pieces()} * cageMaskBytes(plan.shape);
+    if (plan.nodes > 8 * std::uint64_t{maker.cells()} || plan.faces > 12 * std::uint64_t{maker.cells()})
+      return corrupt("a cage has more nodes or faces than its cells have", plan.at);
+    if (!arrays.has(masks)) return too_short;
+    plan.source.masks = arrays.bytes(static_cast<std::size_t>(masks));
+    plan.words = maker.wordsFor(plan.faces);
+    words += plan.words + plan.nodes + plan.followers();
+    transient = std::max(transient, maker.transientBytes());
+    points += plan.split_points;
+  }
+  if (!arrays.has(points * sizeof(std::uint32_t))) return too_short;
+  if (!out.takeRoom(words, sizeof(std::uint32_t)) || transient + points * sizeof(std::uint32_t) > out.room)
+    return tooLarge();
+  if (!out.cage_words.reset(words) || !split_points.reset(points))
+    return outOfMemory("no memory for the cages");
+  arrays.words(split_points.span());
+  for (CagePlan& plan : plans) {
+    if (!arrays.has(plan.splits)) return too_short;
+    plan.source.splits = arrays.bytes(plan.splits);
+  }
+  return {};
+}
+
+Result<void> CageTable::make() {
+  std::span<std::uint32_t> memory = out.cage_words.span();
+  std::span<const std::uint32_t> points = split_points.span();
+  const auto take = [](auto& from, std::uint64_t count) {
+    const auto taken = from.first(static_cast<std::size_t>(count));
+    from = from.subspan(taken.size());
+    return taken;
+  };
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    CagePlan& plan = plans[i];
+    plan.source.split_points = take(points, plan.split_points);
+    const std::span<std::uint32_t> words = take(memory, plan.words), places = take(memory, plan.nodes),
+                                   follows = take(memory, plan.followers());
+    if (!arrays.has(follows.size_bytes()))
+      return corrupt("the cage table's size does not match its counts", 0);
+    arrays.words(follows);
+    CageMaker maker(plan.source, plan.shape, out.allocator);
+    if (const Result<void> r = maker.count(); !r) return inRecord(r.error(), plan);
+    const Result<void> r =
+        maker.connect(words.subspan(kCageHeader, std::size_t{kCageCellWords} * maker.cells()));
+    if (!r) return inRecord(r.error(), plan);
+    if (maker.nodes() != plan.nodes || maker.faces() != plan.faces)
+      return corrupt("a cage's number of nodes or faces does not follow from its cells", plan.at);
+    const Result<Cage> cage =
+        maker.write(words, places, follows, plan.isFinest() ? nullptr : &out.cages[i - 1]);
+    if (!cage) return inRecord(cage.error(), plan);
+    out.cages[i] = *cage;
+  }
+  return arrays.done() ? Result<void>() : corrupt("the cage table's size does not match its counts", 0);
+}
+
+}  // namespace
+
+Result<void> parseCages(std::span<const std::byte> chunk, Metadata& out) {
+  CageTable table{chunk, out};
+  if (const Result<void> r = table.countCages(); !r) return r;
+  if (const Result<void> r = table.readRecords(); !r) return r;
+  if (const Result<void> r = table.measure(); !r) return r;
+  return table.make();
+}
+
+}  // namespace kelp

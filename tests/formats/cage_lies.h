@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Lies about cages, for both readers, told of makeTinyCagePack(): four parts, of which the comb has three
+// cages and the block one.
+#pragma once
+
+#include <cstddef>
+
+#include "lying_pack.h"
+#include "tiny_cage_pack.h"
+
+namespace kelp::test {
+
+// Where things are in CAGE.
+inline constexpr std::size_t kCageRecords = 8, kCageBlocks = kCageRecords + std::size_t{4} * 16,
+                             kBlockBlocks = kCageBlocks + 24 + 6 + 2, kCageMasks = kBlockBlocks + 125;
+inline std::size_t cageSplitPoints(const Bytes& chunk) {
+  std::size_t at = kCageMasks;
+  for (std::size_t i = kCageBlocks; i < kBlockBlocks; ++i)
+    if (const auto block = get<std::uint8_t>(chunk, i); block > 1 && block < 255)
+      at += std::size_t{8} * block;
+  return at;
+}
+inline std::size_t cageSplits(const Bytes& chunk) {
+  std::size_t at = cageSplitPoints(chunk);
+  for (std::size_t i = 0; i < 4; ++i)
+    at += std::size_t{4} * get<std::uint32_t>(chunk, kCageRecords + std::size_t{16} * i + 8);
+  return at;
+}
+
+inline constexpr Lie kCageLies[] = {
+    {"required", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("CAGE")].flags |= 1u; }},
+    {"with part", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("CAGE")].part = 1; }},
+    {"before SOCK", kCorrupt,
+     [](PackSurgeon& s) { std::swap(s.chunks[s.find("CAGE")], s.chunks[s.find("SOCK")]); }},
+    {"twice", kCorrupt,
+     [](PackSurgeon& s) {
+       const PackSurgeon::Chunk again = s.chunks[s.find("CAGE")];
+       s.chunks.insert(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("CAGE")), again);
+     }},
+    {"too short", kCorrupt, [](PackSurgeon& s) { s.content("CAGE").resize(7); }},
+    {"records alone", kCorrupt, [](PackSurgeon& s) { s.content("CAGE").resize(kCageBlocks); }},
+    {"half a record", kCorrupt, [](PackSurgeon& s) { s.content("CAGE").resize(kCageBlocks - 8); }},
+    {"one byte more", kCorrupt, [](PackSurgeon& s) { s.content("CAGE").push_back(std::byte{0}); }},
+    {"one byte less", kCorrupt, [](PackSurgeon& s) { s.content("CAGE").pop_back(); }},
+    {"3 parts of 4", kCorrupt, [](PackSurgeon& s) { set(s.content("CAGE"), 0, 3u); }},
+    {"2^32 - 1 parts", kCorrupt, [](PackSurgeon& s) { set(s.content("CAGE"), 0, 0xffffffffu); }},
+    {"side of 32", kCorrupt, [](PackSurgeon& s) { set(s.content("CAGE"), 6, std::uint8_t{5}); }},
+    {"side of 2^255", kCorrupt, [](PackSurgeon& s) { set(s.content("CAGE"), 7, std::uint8_t{255}); }},
+    {"another side", kCorrupt, [](PackSurgeon& s) { set(s.content("CAGE"), 6, std::uint8_t{3}); }},
+    {"one cage more", kCorrupt, [](PackSurgeon& s) { set(s.content("CAGE"), 5, std::uint8_t{1}); }},
+    {"no cage", kCorrupt, [](PackSurgeon& s) { set(s.content("CAGE"), 6, std::uint16_t{0}); }},
+    {"a node more", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), 8, get<std::uint32_t>(s.content("CAGE"), 8) + 1); }},
+    {"a face less", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), 12, get<std::uint32_t>(s.content("CAGE"), 12) - 1); }},
+    {"all counts 2^32 - 1", kCorrupt,
+     [](PackSurgeon& s) {
+       for (std::size_t at = kCageRecords; at < kCageBlocks; at += 4) set(s.content("CAGE"), at, 0xffffffffu);
+     }},
+    {"a split point less", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), 16, get<std::uint32_t>(s.content("CAGE"), 16) - 1); }},
+    {"a split number less", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), 20, get<std::uint32_t>(s.content("CAGE"), 20) - 1); }},
+    {"inside at the edge", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), kBlockBlocks, std::uint8_t{255}); }},
+    {"inside beside nothing", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), kBlockBlocks + 62, std::uint8_t{0}); }},
+    {"inside beside nothing, at a corner", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), kBlockBlocks, std::uint8_t{0}); }},
+    {"no cell", kCorrupt,
+     [](PackSurgeon& s) {
+       for (std::size_t i = 0; i < 125; ++i) set(s.content("CAGE"), kBlockBlocks + i, std::uint8_t{0});
+     }},
+    {"254 pieces everywhere", kCorrupt,
+     [](PackSurgeon& s) {
+       for (std::size_t i = 0; i < 125; ++i) set(s.content("CAGE"), kBlockBlocks + i, std::uint8_t{254});
+     }},
+    {"a piece without voxels", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), kCageMasks, std::uint64_t{0}); }},
+    {"split points that descend", kCorrupt,
+     [](PackSurgeon& s) {
+       Bytes& chunk = s.content("CAGE");
+       const std::size_t at = cageSplitPoints(chunk);
+       const auto first = get<std::uint32_t>(chunk, at);
+       set(chunk, at, get<std::uint32_t>(chunk, at + 4));
+       set(chunk, at + 4, first);
+     }},
+    {"a split point beyond the lattice", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), cageSplitPoints(s.content("CAGE")), 0xffffffffu); }},
+    {"split numbers from 1", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), cageSplits(s.content("CAGE")), std::uint8_t{1}); }},
+    {"a split number is left out", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), cageSplits(s.content("CAGE")) + 1, std::uint8_t{2}); }},
+    {"split points of one node", kCorrupt,
+     [](PackSurgeon& s) {
+       Bytes& chunk = s.content("CAGE");
+       for (std::size_t i = 0; i < get<std::uint32_t>(chunk, kCageRecords + 12); ++i)
+         set(chunk, cageSplits(chunk) + i, std::uint8_t{0});
+     }},
+    {"follows no cell", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), s.content("CAGE").size() - 4, 0xffffffffu); }},
+};
+
+}  // namespace kelp::test

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+// Cages of small solids, made in the plainest way: every cube looks at every voxel, every cell at every
+// other.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <vector>
+
+#include "kelp/formats/raw_pack.h"
+
+namespace kelp::test {
+
+using IsSolid = std::function<bool(const glm::ivec3&)>;  // level-0 voxels, of any place
+
+class NaiveCage {
+ public:
+  struct Cell {
+    glm::ivec3 cube;
+    std::vector<glm::ivec3> voxels;  // of level 0
+  };
+  struct Node {
+    glm::ivec3 point;
+  };
+
+  int side = 0, first_level = 0;
+  glm::ivec3 grid{0};
+  std::vector<Cell> cells;  // in the order of the format
+  std::vector<Node> nodes;
+  RawCage raw;
+
+  NaiveCage(const glm::ivec3& size, int cell, int cage, const IsSolid& solid)
+      : side(cageSide(cell, firstLevelOfCage(cell, cage))),
+        first_level(firstLevelOfCage(cell, cage)),
+        grid(cageGrid(size, side)) {
+    raw.blocks.resize(static_cast<std::size_t>(grid.x * grid.y * grid.z));
+    std::vector<glm::ivec3> cubes;
+    for (int i = 0; i < grid.x * grid.y * grid.z; ++i)
+      cubes.emplace_back(i % grid.x, i / grid.x % grid.y, i / grid.x / grid.y);
+    for (const glm::ivec3& cube : cubes) raw.blocks[at(cube)] = isInside(cube, solid) ? kInsideBlock : 0;
+    std::sort(cubes.begin(), cubes.end(),
+              [](const glm::ivec3& a, const glm::ivec3& b) { return mortonCode(a) < mortonCode(b); });
+    for (const glm::ivec3& cube : cubes)
+      if (raw.blocks[at(cube)] == 0) addCells(cube, solid);
+    nameNodes();
+  }
+
+  void follow(const NaiveCage& finer) {
+    for (const Node& node : nodes) {
+      const glm::ivec3 place = node.point * side;
+      std::size_t nearest = 0;
+      int least = 1 << 30;
+      for (std::size_t i = 0; i < finer.cells.size(); ++i) {
+        const glm::ivec3 low = finer.cells[i].cube * finer.side;
+        const glm::ivec3 off = place - glm::clamp(place, low, low + finer.side);
+        const int distance = off.x * off.x + off.y * off.y + off.z * off.z;
+        if (distance >= least) continue;
+        least = distance;
+        nearest = i;
+      }
+      raw.follows.push_back(static_cast<std::uint32_t>(nearest));
+    }
+  }
+
+ private:
+  std::size_t at(const glm::ivec3& cube) const {
+    return static_cast<std::size_t>(cube.x + grid.x * (cube.y + grid.y * cube.z));
+  }
+
+  // All of the 27 cubes are full.
+  bool isInside(const glm::ivec3& cube, const IsSolid& solid) const {
+    for (int x = -side; x < 2 * side; ++x)
+      for (int y = -side; y < 2 * side; ++y)
+        for (int z = -side; z < 2 * side; ++z)
+          if (!solid(cube * side + glm::ivec3(x, y, z))) return false;
+    return true;
+  }
+
+  static bool touch(const glm::ivec3& a, const glm::ivec3& b) {
+    const glm::ivec3 off = glm::abs(a - b);
+    return std::max({off.x, off.y, off.z}) <= 1;
+  }
+
+  void addCells(const glm::ivec3& cube, const IsSolid& solid) {
+    std::vector<glm::ivec3> left;
+    for (int i = 0; i < side * side * side; ++i) {
+      const glm::ivec3 voxel = cube * side + glm::ivec3(i % side, i / side % side, i / side / side);
+      if (solid(voxel)) left.push_back(voxel);
+    }
+    const std::size_t first = cells.size();
+    while (!left.empty()) {
+      std::vector<glm::ivec3> piece = {left.front()};
+      left.erase(left.begin());
+      for (std::size_t i = 0; i < piece.size(); ++i) {
+        const auto rest = std::stable_partition(
+            left.begin(), left.end(), [&](const glm::ivec3& voxel) { return !touch(voxel, piece[i]); });
+        piece.insert(piece.end(), rest, left.end());
+        left.erase(rest, left.end());
+      }
+      cells.push_back({cube, piece});
+    }
+    const std::size_t count = cells.size() - first;
+    raw.blocks[at(cube)] = static_cast<std::uint8_t>(count);
+    if (count < 2) return;
+    const int finest = side >> first_level;
+    for (std::size_t i = first; i < cells.size(); ++i) {
+      std::vector<std::uint8_t> mask(static_cast<std::size_t>(finest * finest * finest / 8));
+      for (const glm::ivec3& voxel : cells[i].voxels) {
+        const glm::ivec3 in = (voxel - cube * side) / (1 << first_level);
+        const int bit = in.x + finest * (in.y + finest * in.z);
+        mask[static_cast<std::size_t>(bit / 8)] |= static_cast<std::uint8_t>(1 << bit % 8);
+      }
+      raw.masks.insert(raw.masks.end(), mask.begin(), mask.end());
+    }
+  }
+
+  bool touch(const Cell& a, const Cell& b) const {
+    if (!touch(a.cube, b.cube) || a.cube == b.cube) return false;
+    for (const glm::ivec3& v : a.voxels)
+      for (const glm::ivec3& w : b.voxels)
+        if (touch(v, w)) return true;
+    return false;
+  }
+
+  void nameNodes() {
+    struct Corner {
+      glm::ivec3 point;
+      std::size_t cell;
+    };
+    std::vector<Corner> corners;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      for (int c = 0; c < 8; ++c)
+        corners.push_back({cells[i].cube + glm::ivec3(c & 1, c >> 1 & 1, c >> 2), i});
+    const auto index = [&](const glm::ivec3& p) { return p.x + (grid.x + 1) * (p.y + (grid.y + 1) * p.z); };
+    std::stable_sort(corners.begin(), corners.end(),
+                     [&](const Corner& a, const Corner& b) { return index(a.point) < index(b.point); });
+    for (std::size_t first = 0, end = 0; first < corners.size(); first = end) {
+      while (end < corners.size() && corners[end].point == corners[first].point) ++end;
+      // Corners of cells that touch get the least number of the two, until nothing changes.
+      std::vector<std::size_t> root(end - first);
+      std::iota(root.begin(), root.end(), std::size_t{0});
+      for (bool changed = true; changed;) {
+        changed = false;
+        for (std::size_t a = 0; a < root.size(); ++a) {
+          for (std::size_t b = 0; b < root.size(); ++b) {
+            if (root[a] >= root[b] || !touch(cells[corners[first + a].cell], cells[corners[first + b].cell]))
+              continue;
+            root[b] = root[a];
+            changed = true;
+          }
+        }
+      }
+      std::vector<std::size_t> seen;
+      std::vector<std::uint8_t> numbers;
+      for (const std::size_t r : root) {
+        const auto found = std::find(seen.begin(), seen.end(), r);
+        numbers.push_back(static_cast<std::uint8_t>(found - seen.begin()));
+        if (found == seen.end()) seen.push_back(r);
+      }
+      nodes.insert(nodes.end(), seen.size(), Node{corners[first].point});
+      if (seen.size() < 2) continue;
+      raw.split_points.push_back(static_cast<std::uint32_t>(index(corners[first].point)));
+      raw.splits.insert(raw.splits.end(), numbers.begin(), numbers.end());
+    }
+  }
+};
+
+// Gives a part of that many levels its cages. Its size and levels are set.
+inline void addNaiveCages(RawPart& part, int cell, const IsSolid& solid) {
+  part.cell = cell;
+  std::vector<NaiveCage> cages;
+  for (int i = 0; i < cageCount(cell, static_cast<int>(part.levels.size())); ++i) {
+    cages.emplace_back(part.size, cell, i, solid);
+    if (i > 0) cages[static_cast<std::size_t>(i)].follow(cages[static_cast<std::size_t>(i) - 1]);
+    part.cages.push_back(cages.back().raw);
+  }
+}
+
+// The solid voxels of a raw level 0.
+inline IsSolid solidOf(const RawPart& part) {
+  return [&part](const glm::ivec3& voxel) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (voxel[axis] < 0 || voxel[axis] >= part.size[axis]) return false;
+    const glm::ivec3 grid = brickGrid(part.size), brick = voxel / 8;
+    const std::uint32_t cell =
+        part.levels[0].cells[static_cast<std::size_t>(brick.x + grid.x * (brick.y + grid.y * brick.z))];
+    if (isStoredCell(cell)) {
+      const std::size_t at = std::size_t{cell & kCellSlotMask} * kBrickVoxels;
+      return part.levels[0].codes[at + static_cast<std::size_t>(codeIndex(voxel))] >= kSurfaceCode;
+    }
+    return (cell & kCellSolid) != 0;
+  };
+}
+
+}  // namespace kelp::test
