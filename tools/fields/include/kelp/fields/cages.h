@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// Cages of solid parts (kelp/formats/cage.h) from their voxels.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "kelp/fields/solid_bits.h"
+#include "kelp/formats/raw_pack.h"
+
+namespace kelp::fields {
+
+// The cages of a part with so many levels, finest first: cageCount() of them. solid: its level 0. cell: the
+// side of the finest cells, in voxels.
+//
+// Pieces of a cube of the finest cage are its solid voxels that touch, in the order of their first voxels; to
+// touch is to be among the 26 neighbors. Pieces of a coarser cube are the finer cells in it that touch, in
+// the order of their first finer cells, by cubes (x fastest, then y, then z), then pieces: so voxels that
+// touch are one piece there too. Cells of two cubes that touch have the corners in common that their cubes
+// share. What is beyond 254 pieces of a cube, or beyond 256 nodes of a point, joins the last.
+//
+// A node of a coarser cage follows the nearest of the finer cells that lie in its cells, and the one with the
+// least number of several. If all of these are inside, it follows the nearest cell of all.
+//
+// Throws std::invalid_argument if nothing is solid, or if formats know no such cell for the size.
+std::vector<RawCage> buildCages(const SolidBits& solid, int levels, int cell);
+// The same from the level 0 of a pack.
+std::vector<RawCage> buildCages(const RawLevel& level, const glm::ivec3& size, int levels, int cell);
+
+}  // namespace kelp::fields
