@@ -24,7 +24,7 @@ bool kelpFaceVertex(int vertex) {
   uint order = (kelp_face >> 2u) & 7u;
   // The tetrahedron's corners but 0 and 7; its faces on the boundary are 0 and 3.
   uint a = 1u << (order >> 1u);
-  uint b = 7u - (1u << (2u - (order % 3u + order / 3u) % 3u));
+  uint b = 7u - (1u << ((294u >> (2u * order)) & 3u));  // the last axes: 2 1 2 0 1 0
   bool low = (kelp_face & 3u) != 0u;
   vec3 p0 = KELP_NODE(KELP_CAGE_WORD(nodes + (low ? 0u : a)));
   vec3 p1 = KELP_NODE(KELP_CAGE_WORD(nodes + (low ? a : b)));

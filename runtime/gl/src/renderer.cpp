@@ -128,7 +128,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const RendererOptions& option
   if (auto good = self.pool.create(self.api, self.planner->poolBytes()); !good) return good.error();
   self.copyToPool();
   const bool either = has(self.features, Features::kDistances);
-  if (auto good = self.prepare(either ? draw::Program::kEitherBend : draw::Program::kSheared); !good)
+  if (auto good = self.prepare(either ? draw::Program::kAnyBend : draw::Program::kSheared); !good)
     return good.error();
   self.trace_text = draw::traceText(dialectOf(self.api), self.features);
   self.api.GenVertexArrays(1, &self.vertex_array);

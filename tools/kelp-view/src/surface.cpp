@@ -5,7 +5,7 @@ namespace kelp::view {
 
 const char* toString(Surface surface) {
   constexpr const char* kNames[] = {"shaded", "normals", "distances", "parts",
-                                    "steps",  "levels",  "bounds",    "splines"};
+                                    "steps",  "levels",  "bounds",    "splines", "cages"};
   return kNames[static_cast<int>(surface)];
 }
 
