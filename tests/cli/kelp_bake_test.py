@@ -217,7 +217,10 @@ class KelpBake(unittest.TestCase):
         self.fails(1, self.cube, "-o", self.out, "--levels", "0", says=["--levels"])
         self.fails(1, self.cube, "-o", self.out, "--fill", "half", says=["half"])
         self.fails(1, self.cube, "-o", self.out, "--axis", "up", says=["up"])
-        self.fails(1, self.cube, "-o", self.out, "--bend", "twist", says=["--bend twist", "shear or sweep"])
+        self.fails(1, self.cube, "-o", self.out, "--bend", "twist",
+                   says=["--bend twist", "shear, sweep or cage"])
+        for cell in ("0", "1", "3", "32", "-8", "2147483648", "eight"):
+            self.fails(1, self.cube, "-o", self.out, "--bend", "cage", "--cell", cell, says=["--cell " + cell])
         for size in ("lots", "0", "-1", "nan", "inf", "-4G", "1e300G", "4X", "NaNG"):
             self.fails(1, self.cube, "-o", self.out, "--max-memory", size, says=["--max-memory " + size])
         for number in (
@@ -269,6 +272,16 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(baked("--rig", rig, "--bend", "shear"), ("sweep", 30), "the rig says it")
         rig = self.write("r.rig.json", '{"kelp": 1, "bend": "shear"}')
         self.assertEqual(baked("--rig", rig, "--bend", "sweep"), ("shear", 0), "the rig says it")
+        self.assertEqual(baked("--bend", "cage"), ("cage", 0))
+        self.assertEqual(baked("--bend", "cage", "--cell", "2", "--rig", "sway"), ("cage", 0))
+        self.assertEqual(baked("--rig", rig, "--bend", "cage"), ("shear", 0), "the rig says it")
+        rig = self.write("r.rig.json", '{"kelp": 1, "bend": "cage", "roll": 30}')
+        self.assertEqual(baked("--rig", rig, "--bend", "shear"), ("cage", 30), "the rig says it")
+        self.fails(1, self.cube, "-o", self.out, "--cell", "4", says=["--cell 4", "--bend cage"])
+        self.fails(1, self.cube, "-o", self.out, "--bend", "cage", "--cell", "2", "--resolution", "513",
+                   says=["513 voxels", "256 cells of --cell 2", "--cell 4 fits"])
+        self.fails(1, self.cube, "-o", self.out, "--bend", "cage", "--resolution", "4097",
+                   says=["--cell 8", "--resolution of at most 4096"])
         # The cube is half as wide as it is tall.
         turns = '{"kelp": 1, "bend": "sweep", "knots": [{"at": 0}, {"at": 1, "tangent": [9, -9, 0]}]}'
         self.fails(3, self.cube, "-o", self.out, "--rig", self.write("r.rig.json", turns),

@@ -62,4 +62,44 @@ std::vector<NamedVolume> wideVolumes() {
   return volumes;
 }
 
+std::vector<NamedVolume> cageVolumes() {
+  std::vector<NamedVolume> all;
+  const auto add = [&](const char* name, const glm::ivec3& size, auto inside) {
+    all.push_back({name, volumeWhere(size, inside)});
+  };
+  add("two legs", {13, 37, 9}, [](const glm::ivec3& v) { return v.y > 28 || v.x < 4 || v.x > 6; });
+  add("gaps of one voxel", {33, 20, 35},
+      [](const glm::ivec3& v) { return v.x != 9 && (v.z != 17 || v.y < 3); });
+  add("comb", {40, 21, 6}, [](const glm::ivec3& v) { return v.y < 5 || v.x % 3 == 0; });
+  add("full", {40, 48, 33}, [](const glm::ivec3&) { return true; });
+  add("plate", {50, 1, 50}, [](const glm::ivec3&) { return true; });
+  add("leaning plate", {30, 30, 30}, [](const glm::ivec3& v) { return v.x + v.y == 31 || v.x + v.z == 12; });
+  add("island in a hole", {48, 48, 48}, [](const glm::ivec3& v) {
+    const glm::ivec3 far = glm::abs(v - glm::ivec3(18, 27, 20));
+    return std::max({far.x, far.y, far.z}) != 1;
+  });
+  add("corners that touch", {32, 32, 32},
+      [](const glm::ivec3& v) { return (v.x / 8 + v.y / 8) % 2 == 0 && (v.y / 8 + v.z / 8) % 2 == 0; });
+  add("ball", {41, 39, 44}, [](const glm::ivec3& v) {
+    const glm::ivec3 d = v - glm::ivec3(20, 19, 22);
+    return d.x * d.x + d.y * d.y + d.z * d.z < 390;
+  });
+  all.push_back({"noise", randomVolume({27, 14, 9}, 0.06, 1)});
+  all.push_back({"denser noise", randomVolume({35, 18, 20}, 0.12, 2)});
+  all.push_back({"holes", randomVolume({37, 36, 35}, 0.97, 3)});
+  for (std::uint32_t seed = 4; seed < 8; ++seed) {
+    std::mt19937 random(seed);
+    std::vector<glm::ivec4> blobs(12);
+    for (glm::ivec4& blob : blobs)
+      blob = {random() % 36, random() % 36, random() % 36, 2 + static_cast<int>(random() % 60)};
+    add("blobs", {36, 36, 36}, [&](const glm::ivec3& v) {
+      return std::any_of(blobs.begin(), blobs.end(), [&](const glm::ivec4& blob) {
+        const glm::ivec3 d = v - glm::ivec3(blob);
+        return d.x * d.x + d.y * d.y + d.z * d.z < blob.w;
+      });
+    });
+  }
+  return all;
+}
+
 }  // namespace kelp::test

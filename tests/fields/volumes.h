@@ -59,4 +59,7 @@ std::vector<NamedVolume> hardVolumes();
 // Noise whose rows end before, at and after the end of a word of bits.
 std::vector<NamedVolume> wideVolumes();
 
+// Solids that cages cut into pieces, and such that they do not.
+std::vector<NamedVolume> cageVolumes();
+
 }  // namespace kelp::test

@@ -101,6 +101,9 @@ TEST(ParseRig, ARigSaysHowItsPartBends) {
   EXPECT_EQ(rig.bend, Bend::kSweep);
   EXPECT_FLOAT_EQ(rig.roll, -1.57079633f);
   EXPECT_EQ(parseRig(R"({"kelp": 1, "bend": "sweep", "roll": 180})").roll, 3.14159274f);
+  const RigDescription caged = parseRig(R"({"kelp": 1, "bend": "cage", "roll": 180})");
+  EXPECT_EQ(caged.bend, Bend::kSweep);
+  EXPECT_TRUE(caged.caged && !rig.caged);
 }
 
 TEST(ParseRig, ARigHas1024SocketsAtMost) {
@@ -182,7 +185,7 @@ TEST(ParseRig, EveryErrorNamesThePlaceAndTheRemedy) {
       {R"({"kelp": 1, "parent_at": 1.5})", {"/parent_at", "1.5 is no place", "between 0 and 1"}},
       {R"({"kelp": 1, "parent_at": -0.5})", {"/parent_at", "-0.5 is no place"}},
       {R"({"kelp": 1, "parent_at": "0.5"})", {"/parent_at", "must be a number"}},
-      {R"({"kelp": 1, "bend": "twist"})", {"/bend", "\"sweep\" or \"shear\", not \"twist\""}},
+      {R"({"kelp": 1, "bend": "twist"})", {"/bend", "\"sweep\", \"shear\" or \"cage\", not \"twist\""}},
       {R"({"kelp": 1, "bend": 1})", {"/bend", "not 1"}},
       {R"({"kelp": 1, "bend": "sweep", "roll": 181})", {"/roll", "181"}},
       {R"({"kelp": 1, "bend": "sweep", "roll": "90"})", {"/roll", "must be a number"}},
@@ -336,6 +339,7 @@ RigDescription randomRig(std::mt19937& random) {
   }
   if (below(2)) rig.parent_at = below(3) ? uniform(0, 1) : 0.0f;
   if (below(3)) rig.bend = below(2) ? Bend::kSweep : Bend::kShear;
+  rig.caged = rig.bend == Bend::kSweep && below(2);
   if (rig.bend == Bend::kSweep) rig.roll = below(4) ? uniform(-3.14159265f, 3.14159265f) : 3.14159274f;
   return rig;
 }

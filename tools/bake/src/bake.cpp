@@ -125,8 +125,11 @@ void importModel(Job& job) {
   report.images = job.model.images.size();
   checkFormat(job);
   if (!job.model.parts.front().skin) requireRiggedParts(job.model, settings, job.input);
-  for (SourcePart& part : job.model.parts)
-    if (!part.rig.bend) part.rig.bend = part.fog ? Bend::kShear : settings.bend.value_or(kDefaultBend);
+  for (SourcePart& part : job.model.parts) {
+    if (part.rig.bend) continue;
+    part.rig.bend = part.fog ? Bend::kShear : settings.bend.value_or(kDefaultBend);
+    part.rig.caged = !part.fog && settings.caged;
+  }
   for (const SourcePart& part : job.model.parts)
     if (part.parent >= 0 && part.rig.parent_at != Part::kNotOnSpline)
       job.model.parts[static_cast<std::size_t>(part.parent)].carries = true;
@@ -172,6 +175,7 @@ void layParts(Job& job) {
     raw.pivot = part.pivot;
     raw.size = part.isVolume() ? part.volumeSize() : job.frames[i].size;
   }
+  checkCages(job.model, job.pack, job.settings, job.input);
 }
 
 // Where the voxels of each part will be.
@@ -243,6 +247,7 @@ void voxelizePart(Job& job, std::size_t index, PartNotices& notices) {
   for (const RigDescription::Socket& socket : part.rig.sockets) line.sockets.push_back(socket.name);
   line.parent_at = part.rig.parent_at;
   line.swept = part.rig.bend == Bend::kSweep;
+  line.caged = part.rig.caged;
   line.roll = part.rig.roll;
   if (part.parent >= 0) line.parent = job.model.parts[static_cast<std::size_t>(part.parent)].name;
   if (part.fog) return reportFog(part, line);
@@ -375,6 +380,8 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   choosePalette(job);
   clock.begin("levels");
   buildLevels(job);
+  clock.begin("cages");
+  addCages(job.model, settings, progress, job.pack);
   if (settings.distance) {
     clock.begin("distances");
     addDistances(job);

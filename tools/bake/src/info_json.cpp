@@ -103,7 +103,8 @@ std::string makeInfo(const std::filesystem::path& input, const SourceModel& mode
   if (settings.pad > 0) options["pad"] = settings.pad;
   if (const auto rig = rigFile(input, settings, used)) options["rig"] = fileJson(used, *rig);
   if (settings.rig_preset) options["rig"] = *settings.rig_preset;
-  if (settings.bend) options["bend"] = toString(*settings.bend);
+  if (settings.bend) options["bend"] = toString(*settings.bend, settings.caged);
+  if (settings.cell) options["cell"] = *settings.cell;
   if (settings.scene) options["scene"] = *settings.scene;
   options["fill"] = settings.fill == Fill::kAuto    ? "auto"
                     : settings.fill == Fill::kSolid ? "solid"

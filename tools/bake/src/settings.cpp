@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "kelp/bake/bake.h"
+#include "kelp/fields/cages.h"
 #include "kelp/formats/pack.h"
 #include "kelp/import/core/padding.h"
 #include "steps.h"
@@ -24,6 +25,9 @@ void checkSettings(const Settings& settings) {
   if (settings.levels < 0 || settings.levels > kMaxLevels)
     wrong(
         fmt::format("--levels {}: not between 1 and {}; leave it out for all", settings.levels, kMaxLevels));
+  if (const int cell = settings.cell.value_or(kDefaultCell);
+      cell < fields::kSmallestCell || cell > fields::kLargestCell || (cell & (cell - 1)) != 0)
+    wrong(fmt::format("--cell {}: not 2, 4, 8 or 16; {} is the default", cell, kDefaultCell));
   if (settings.threads < 0 || settings.threads > 1024)
     wrong(fmt::format("--threads {}: not between 1 and 1024; leave it out for all", settings.threads));
   if (settings.palette_file && settings.keep_materials)

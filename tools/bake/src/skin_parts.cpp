@@ -88,6 +88,7 @@ void reportParts(const std::vector<SourcePart>& parts, Report& report) {
     line.parent_at = part.rig.parent_at;
     for (const RigDescription::Socket& socket : part.rig.sockets) line.sockets.push_back(socket.name);
     line.swept = part.rig.bend == Bend::kSweep;
+    line.caged = part.rig.caged;
     line.solid_voxels = countSolid(*part.grid);
     line.surface_voxels = part.grid->surface.size();
     if (part.parent >= 0) line.parent = parts[static_cast<std::size_t>(part.parent)].name;

@@ -61,6 +61,13 @@ void requireRiggedParts(const SourceModel& model, const ImportSettings& settings
 // ToolError for rigs and clips that cannot be.
 void rigParts(const SourceModel& model, const std::filesystem::path& input, RawPack& pack, Report& report);
 
+// ToolError for parts that cannot have the cages that their rigs or the settings ask for. `pack`: has the
+// parts' sizes.
+void checkCages(const SourceModel& model, const RawPack& pack, const Settings& settings,
+                const std::filesystem::path& input);
+// Builds them from the levels.
+void addCages(const SourceModel& model, const Settings& settings, const Progress& progress, RawPack& pack);
+
 // Levels of a volume: down to a single brick, or `asked` if that is fewer (0: all).
 int levelCount(const glm::ivec3& size, int asked);
 

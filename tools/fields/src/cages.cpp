@@ -283,7 +283,7 @@ class CageBuilder {
 std::vector<RawCage> buildCages(const SolidBits& solid, int levels, int cell) {
   const glm::ivec3 size = solid.size();
   if (solid.count(1) == 0) throw std::invalid_argument("a cage needs at least one solid voxel");
-  if (cell != 2 && cell != 4 && cell != 8 && cell != 16)
+  if (cell < kSmallestCell || cell > kLargestCell || (cell & (cell - 1)) != 0)
     throw std::invalid_argument("cells of cages are 2, 4, 8 or 16 voxels");
   if (std::max({size.x, size.y, size.z}) > kMostCageCells * cell)
     throw std::invalid_argument("a cage has at most 256 cells along an axis");

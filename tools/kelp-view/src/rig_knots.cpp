@@ -84,7 +84,7 @@ bool movesKnot(Target target) { return target == Target::kKnotOffset || target =
 
 void bendAs(RigDescription& rig, Bend bend) {
   rig.bend = bend;
-  if (bend == Bend::kShear) rig.roll = 0;
+  if (bend == Bend::kShear) rig.roll = 0, rig.caged = false;
 }
 
 void insertKnot(RigDescription& rig, int after) {

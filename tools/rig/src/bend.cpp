@@ -15,7 +15,9 @@ std::optional<Bend> parseBend(std::string_view text) {
   return std::nullopt;
 }
 
-const char* toString(Bend bend) { return bend == Bend::kSweep ? "sweep" : "shear"; }
+const char* toString(Bend bend, bool caged) {
+  return caged ? "cage" : bend == Bend::kSweep ? "sweep" : "shear";
+}
 
 double rollInDegrees(float roll) { return static_cast<double>(roll) * 180 / std::numbers::pi; }
 
@@ -24,6 +26,7 @@ float rollOfDegrees(double degrees) { return static_cast<float>(degrees * std::n
 RawRig realizeRig(const RigDescription& rig, Bend by_default) {
   RawRig rest{realizeKnots(rig), automaticTangents(rig), rig.parent_at};
   rest.bend = rig.bend.value_or(by_default);
+  rest.caged = rig.caged;
   rest.roll = rig.roll;
   return rest;
 }

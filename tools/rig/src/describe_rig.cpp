@@ -60,6 +60,7 @@ RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, s
   describeSockets(sockets, part, rig);
   rig.parent_at = rest.parent_at;
   rig.bend = rest.bend;
+  rig.caged = rest.caged;
   rig.roll = rest.roll;
   return rig;
 }

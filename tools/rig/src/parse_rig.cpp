@@ -204,9 +204,13 @@ RigDescription::Clip readClip(const Place& place, const std::string& name, std::
 void readBend(const Place& place, RigDescription& rig) {
   if (place.has("bend")) {
     const Place bend = place.at("bend");
-    if (bend.json.is_string()) rig.bend = parseBend(bend.json.get_ref<const std::string&>());
+    rig.caged = bend.json == toString(Bend::kSweep, true);
+    if (rig.caged)
+      rig.bend = Bend::kSweep;
+    else if (bend.json.is_string())
+      rig.bend = parseBend(bend.json.get_ref<const std::string&>());
     if (!rig.bend)
-      fail(bend, "must be \"sweep\" or \"shear\", not " +
+      fail(bend, "must be \"sweep\", \"shear\" or \"cage\", not " +
                      printable(bend.json.dump(-1, ' ', false, Json::error_handler_t::replace)));
   }
   if (!place.has("roll")) return;

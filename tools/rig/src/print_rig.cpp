@@ -164,7 +164,7 @@ std::vector<std::string> membersOf(const RigDescription& rig) {
     members.push_back("\"sockets\": {" + join(lines, "    ") + "}");
   }
   if (rig.parent_at != Part::kNotOnSpline) members.push_back("\"parent_at\": " + number(rig.parent_at));
-  if (rig.bend) members.push_back(std::string("\"bend\": \"") + toString(*rig.bend) + "\"");
+  if (rig.bend) members.push_back(std::string("\"bend\": \"") + toString(*rig.bend, rig.caged) + "\"");
   if (rig.roll != 0) members.push_back("\"roll\": " + degrees(rig.roll));
   if (!rig.skin.empty()) {
     std::vector<std::string> lines;

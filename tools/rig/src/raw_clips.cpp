@@ -4,8 +4,12 @@
 namespace kelp {
 
 RawRig rawRig(const Part& part) {
-  return {
-      {part.knots.begin(), part.knots.end()}, part.automatic_tangents, part.parent_at, part.bend, part.roll};
+  return {{part.knots.begin(), part.knots.end()},
+          part.automatic_tangents,
+          part.parent_at,
+          part.bend,
+          part.roll,
+          !part.cages.empty()};
 }
 
 std::vector<RawSocket> rawSockets(const Pack& pack) {

@@ -152,6 +152,7 @@ struct RawRig {
   float parent_at = Part::kNotOnSpline;
   Bend bend = Bend::kShear;
   float roll = 0;
+  bool caged = false;  // the part has cages; writeRigs keeps those that there are
 };
 
 // The content that writeRigs replaces in a pack.

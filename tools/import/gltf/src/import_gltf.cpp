@@ -308,6 +308,7 @@ class GltfImporter {
     RigDescription drawn;  // what is said of a rig that the knots draw
     drawn.axis = settings_.axis;
     drawn.bend = settings_.bend;
+    drawn.caged = settings_.caged;
     std::string bends;
     if (plan.rig) {
       RigDescription written;
@@ -322,7 +323,10 @@ class GltfImporter {
                "/skin: only a rig file (--rig, STEM.rig.json) divides a skin; put it there");
       if (!knots.empty() && saysOnlyHow(written)) {
         if (!written.axis) written.axis = drawn.axis;
-        if (!written.bend) written.bend = drawn.bend;
+        if (!written.bend) {
+          written.bend = drawn.bend;
+          written.caged = drawn.caged;
+        }
         drawn = written;
         bends = ", which bend as " + origin + " says";
       } else {

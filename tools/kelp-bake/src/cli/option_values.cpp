@@ -79,6 +79,14 @@ Take bytes(std::uint64_t& out) {
   };
 }
 
+Take bend(bake::Settings& settings) {
+  return [&settings](const std::string& given) {
+    settings.caged = given == toString(Bend::kSweep, true);
+    settings.bend = settings.caged ? Bend::kSweep : parseBend(given);
+    return settings.bend ? nullptr : "unknown; use shear, sweep or cage";
+  };
+}
+
 Take rig(bake::Settings& settings) {
   return [&settings](const std::string& given) {
     const std::vector<std::string> names = bake::rigNames();

@@ -51,7 +51,7 @@ Take number(Out& out) {
   };
 }
 
-// `fault`: "unknown; use shear or sweep".
+// `fault`: "unknown; use fast or best".
 template <class Out>
 Take choice(Out& out, const char* fault, std::map<std::string, ValueOf<Out>> choices) {
   return [&out, fault, choices = std::move(choices)](const std::string& given) {
@@ -71,6 +71,7 @@ Take unit(Options& options);
 Take moment(std::optional<bake::Moment>& out);
 // "4G", "512M", "1.5 GiB", "1000000".
 Take bytes(std::uint64_t& out);
+Take bend(bake::Settings& settings);
 // A preset or a file.
 Take rig(bake::Settings& settings);
 

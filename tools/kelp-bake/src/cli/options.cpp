@@ -124,11 +124,14 @@ void addModelOptions(Adder& add, bake::Settings& settings, Options& options) {
   add.option("--axis", "+x|-x|+y|-y|+z|-z",
              "the axis to bend along if the rig has none, in the file's axes (default: --up)",
              axis(settings.axis));
-  add.option("--bend", "shear|sweep",
+  add.option("--bend", "shear|sweep|cage",
              "how solid parts bend whose rig does not say; sweep: sections stay perpendicular to the "
-             "spline, which may curl; shear: they stay level (default)",
-             choice(settings.bend, "unknown; use shear or sweep",
-                    {{"shear", Bend::kShear}, {"sweep", Bend::kSweep}}));
+             "spline, which may curl; shear: they stay level (default); cage: as sweep, drawn through a "
+             "lattice of nodes, which a program may move too",
+             bend(settings));
+  add.option("--cell", "2|4|8|16",
+             "the side of a cage's cells in voxels (default 8); at most 256 of them along a part",
+             number(settings.cell));
   add.heading("Model");
   add.option("--scene", "NAME|INDEX",
              "glTF: the scene to bake, by name or by index from 0; a number in the range of indices is an "

@@ -46,7 +46,7 @@ OrderedJson partJson(const bake::Report::Part& part) {
                    {"size", {part.size.x, part.size.y, part.size.z}},
                    {"voxel_size", part.voxel_size},
                    {"rig", part.rig_origin},
-                   {"bend", toString(part.swept ? Bend::kSweep : Bend::kShear)},
+                   {"bend", toString(part.swept ? Bend::kSweep : Bend::kShear, part.caged)},
                    {"roll", rollInDegrees(part.roll)},
                    {"sockets", part.sockets},
                    {"fill", part.fill},

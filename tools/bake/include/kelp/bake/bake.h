@@ -23,14 +23,18 @@
 
 namespace kelp::bake {
 
+// The side of the cells of cages, in voxels, if nobody asks for another.
+inline constexpr int kDefaultCell = 8;
+
 // The options of a bake.
 struct Settings : ImportSettings {
   Fill fill = Fill::kAuto;
   std::optional<std::filesystem::path> palette_file;  // the palette's colors; see readPalette
   // Two of the file's materials never share a palette entry. Not together with palette_file.
   bool keep_materials = false;
-  int levels = 0;        // how many; 0: until a level is a single brick
-  bool distance = true;  // whether the pack holds distances
+  int levels = 0;           // how many; 0: until a level is a single brick
+  bool distance = true;     // whether the pack holds distances
+  std::optional<int> cell;  // side of the cells of cages, in voxels: 2, 4, 8 or 16; absent: kDefaultCell
   Effort effort = Effort::kFast;
 };
 
@@ -54,7 +58,7 @@ struct Report {
     FillCounts repairs;
     std::string parent;                          // the part it follows; empty: none
     float parent_at = kelp::Part::kNotOnSpline;  // where on that part's spline it hangs
-    bool swept = false;
+    bool swept = false, caged = false;
     float roll = 0;  // radians, as in RawRig
     std::vector<std::string> sockets;
     std::vector<ComponentReport> components;  // empty for volumes

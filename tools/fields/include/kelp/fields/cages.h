@@ -11,6 +11,9 @@
 
 namespace kelp::fields {
 
+// Sides of the finest cells: these, and the powers of two between.
+inline constexpr int kSmallestCell = 2, kLargestCell = 16;
+
 // The cages of a part with so many levels, finest first: cageCount() of them. solid: its level 0. cell: the
 // side of the finest cells, in voxels.
 //

@@ -89,6 +89,7 @@ struct RigDescription {
   std::vector<Socket> sockets;           // at most kMaxSockets, each with a name of its own
   float parent_at = Part::kNotOnSpline;  // place on the parent part's spline, as Part::parent_at
   std::optional<Bend> bend;              // kDefaultBend if absent
+  bool caged = false;                    // "cage": drawn through a cage, which moves as `bend` says: kSweep
   float roll = 0;                        // as Part::roll; 0 unless `bend` is kSweep
   // Not empty: the rig divides a skin, whose parts move by the file's animations; then it says nothing else.
   std::vector<SkinGroup> skin;
@@ -100,7 +101,7 @@ inline constexpr int kMaxSkinPieces = 256, kMaxSkinParts = 1024;  // of one grou
 // The bend of a part whose rig does not name one.
 inline constexpr Bend kDefaultBend = Bend::kShear;
 std::optional<Bend> parseBend(std::string_view text);  // "shear", "sweep"
-const char* toString(Bend bend);
+const char* toString(Bend bend, bool caged = false);   // caged: "cage"
 // The roll of a part in degrees, as the rig language has it, and back.
 double rollInDegrees(float roll);
 float rollOfDegrees(double degrees);

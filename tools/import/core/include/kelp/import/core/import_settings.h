@@ -43,6 +43,7 @@ struct ImportSettings {
   std::optional<std::filesystem::path> rig_file;
   std::optional<std::string> rig_preset;
   std::optional<Bend> bend;  // of solid parts whose rig does not say; kDefaultBend if absent
+  bool caged = false;        // such parts get cages; `bend` is kSweep then
   // of a glTF file: its index, or else its name; absent: the file's default scene
   std::optional<std::string> scene;
   Parts parts = Parts::kOne;
