@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "asset_impl.h"
+#include "cages/pose_nodes.h"
 #include "kelp/simd/bound_knots.h"
 #include "posed_part.h"
 #include "posed_solid.h"
@@ -36,7 +37,7 @@ Result<bool> checkInstance(const Instance& instance) {
   if (instance.pose->parts() != parts) return false;
   for (int part = 0; part < parts; ++part) {
     const PosedPart posed = posedPart(instance, part);
-    if (!posed.isSwept() && !posed.check()) return false;
+    if ((!posed.isSwept() && !posed.check()) || !PoseCages::check(*instance.pose, part)) return false;
   }
   return true;
 }

@@ -9,6 +9,7 @@
 #include <glm/gtc/matrix_inverse.hpp>
 
 #include "asset_impl.h"
+#include "kelp/cages/posed_cage.h"
 #include "kelp/simd/bound_knots.h"
 #include "posed_part.h"
 
@@ -62,6 +63,12 @@ Result<void> checkPosed(const Instance& instance, int part) {
 
 const Part& partOf(const Instance& instance, int part) {
   return instance.asset->pack().parts()[static_cast<std::size_t>(part)];
+}
+
+// Empty if the part cannot be drawn.
+Box boundsOfCage(const Instance& instance, std::size_t part) {
+  const Result<PosedCage> posed = posedCage(instance, static_cast<int>(part), 0);
+  return posed ? posed->bounds : Box{};
 }
 
 // Object space at rest -> part space at rest.
@@ -237,7 +244,9 @@ Box bounds(const Instance& instance) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const PosedPart posed = posedPart(instance, static_cast<int>(i));
     if (posed.knots.size() < 2 || posed.part->kind == PartKind::kEmpty) continue;
-    const Box box = transformed(partToWorld(instance, static_cast<int>(i), hangings), boundsOf(posed));
+    const Box box = transformed(partToWorld(instance, static_cast<int>(i), hangings),
+                                parts[i].cages.empty() ? boundsOf(posed) : boundsOfCage(instance, i));
+    if (box.empty()) continue;
     all.add(box.min);
     all.add(box.max);
   }

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 
 #include "asset_impl.h"
+#include "kelp/cages/posed_cage.h"
 #include "kelp/formats/page.h"
 #include "kelp/runtime/instance.h"
 #include "kelp/runtime/level.h"
@@ -82,17 +83,29 @@ std::uint8_t innerMaterial(const LevelBricks& bricks, const glm::ivec3& voxel) {
   return material;
 }
 
-// Lists the levels for a trace: the finest one not finer than `wanted` whose grid is in memory, and all
-// coarser ones. Returns their number. 0: the coarsest level is not complete yet, so the model would have
-// holes.
-int listLevels(const Asset& asset, const PageReader& reader, int part, int wanted,
-               LevelBricks (&bricks)[kMaxLevels], trace::Level (&levels)[kMaxLevels]) {
-  const int last = asset.pack().parts()[static_cast<std::size_t>(part)].levels - 1;
-  const LevelState* coarsest = reader.level(part, last);
-  if (!coarsest || coarsest->resident.load(std::memory_order_acquire) != coarsest->data.pages.size())
-    return 0;
+bool isComplete(const LevelState* level) {
+  return level && level->resident.load(std::memory_order_acquire) == level->data.pages.size();
+}
+
+// The cage for a trace at level `wanted`: that which serves it, if all of the coarsest level that this cage
+// serves is in memory; else that level is requested, and the next coarser cage is asked.
+const Cage& chooseCage(const PageReader& reader, int part, std::span<const Cage> cages, int wanted) {
+  const Cage* cage = cages.data();
+  while (cage->last_level < wanted) ++cage;
+  for (; cage != &cages.back(); ++cage) {
+    const LevelState* const level = reader.level(part, cage->last_level);
+    if (isComplete(level)) break;
+    for (std::uint32_t page = 0; level && page < level->data.pages.size(); ++page) reader.words(*level, page);
+  }
+  return *cage;
+}
+
+// Lists the levels for a trace, of which the coarsest is complete: the finest one not finer than `wanted`
+// whose grid is in memory, and all coarser ones up to `last`. Returns their number.
+int listLevels(const PageReader& reader, int part, int wanted, int last, LevelBricks (&bricks)[kMaxLevels],
+               trace::Level (&levels)[kMaxLevels]) {
   int count = 0;
-  for (int level = std::clamp(wanted, 0, last); level <= last; ++level) {
+  for (int level = wanted; level <= last; ++level) {
     const LevelState* state = reader.level(part, level);
     if (!state) continue;
     bricks[count] = {&reader, state};
@@ -130,17 +143,26 @@ std::optional<PartRay> rayInPart(const Instance& instance, int part, const Box& 
 struct BentPart {
   const Part* part;
   Box bounds;
-  int segment_count, arc_count;  // one of them is 0
+  int segment_count, arc_count;  // one of them is not 0, or `cage` is set
   float stretch;                 // of a sheared part
   trace::KelpSegment segments[kMaxKnots];
   trace::KelpArc arcs[kMaxArcs];
   trace::KelpJoint joints[kMaxArcs + 1];
+  PosedCage cage;
 
-  // False: the part is not drawn.
-  bool make(const PosedPart& posed) {
+  // False: the part is not drawn. through: the cage of the part's in which it is traced; null: none.
+  bool make(const Instance& instance, int index, const Cage* through) {
+    const PosedPart posed = posedPart(instance, index);
     part = posed.part;
     segment_count = arc_count = 0;
-    return posed.isSwept() ? sweep(posed) : shear(posed.knots);
+    cage.cage = nullptr;
+    if (!through) return posed.isSwept() ? sweep(posed) : shear(posed.knots);
+    const Result<PosedCage> caged =
+        posedCage(instance, index, static_cast<int>(through - part->cages.data()));
+    if (!caged) return false;
+    cage = *caged;
+    bounds = cage.bounds;
+    return true;
   }
   void describe(trace::Context& context) const {
     context.segments = segments;
@@ -148,9 +170,17 @@ struct BentPart {
     context.arcs = arcs;
     context.joints = joints;
     context.arc_count = arc_count;
+    if (!cage.cage) return;
+    context.cage_words = cage.cage->words.data();
+    context.nodes = cage.nodes.data();
+    context.cage_boxes = &cage.tree[0].min;
+    context.cage_leaves = static_cast<int>(cage.leaves);
+    context.fold_min = cage.inverted.min;
+    context.fold_max = cage.inverted.max;
   }
   // The normal of a hit in part space, up to length; n: at rest.
-  glm::vec3 normal(const trace::KelpHit& hit, const glm::vec3& n) const {
+  glm::vec3 normal(const trace::Context& context, const trace::KelpHit& hit, const glm::vec3& n) const {
+    if (cage.cage) return trace::kelpCageNormal(context, hit, n);
     if (arc_count == 0) return trace::kelpDeformNormal(segments[hit.segment], hit.t, stretch, n);
     const glm::vec3 middle = 0.5f * glm::vec3(part->size);
     return trace::kelpSweepNormal(arcs[hit.segment], joints[hit.segment], joints[hit.segment + 1],
@@ -183,13 +213,19 @@ std::optional<Hit> castPart(const Instance& instance, const PageReader& reader, 
                             float t_max, int wanted_level) {
   const Part& part = instance.asset->pack().parts()[static_cast<std::size_t>(index)];
   if (part.kind != PartKind::kSolid) return std::nullopt;
-  const PosedPart posed = posedPart(instance, index);
+  int wanted = std::clamp(wanted_level, 0, part.levels - 1), last = part.levels - 1;
+  if (!isComplete(reader.level(index, last))) return std::nullopt;  // the model would have holes
+  const Cage* cage = nullptr;
+  if (!part.cages.empty()) {
+    cage = &chooseCage(reader, index, part.cages, wanted);
+    wanted = std::max(wanted, cage->first_level);
+    last = cage->last_level;
+  }
   LevelBricks bricks[kMaxLevels];
   trace::Level levels[kMaxLevels];
-  const int level_count = listLevels(*instance.asset, reader, index, wanted_level, bricks, levels);
-  if (level_count == 0) return std::nullopt;
+  const int level_count = listLevels(reader, index, wanted, last, bricks, levels);
   BentPart bent;
-  if (!bent.make(posed)) return std::nullopt;
+  if (!bent.make(instance, index, cage)) return std::nullopt;
   const LevelState& level = *bricks[0].level;
   const std::optional<PartRay> in = rayInPart(instance, index, bent.bounds, ray, t_max);
   if (!in) return std::nullopt;
@@ -221,7 +257,7 @@ std::optional<Hit> castPart(const Instance& instance, const PageReader& reader, 
   hit.rest = toObject(instance, index, found.rest);
   glm::dvec3 normal = -glm::normalize(glm::dvec3(ray.direction));
   if (const auto attribute = bricks[found.coarser].attributeAt(found.voxel)) {
-    const glm::vec3 turned = bent.normal(found, decodeNormal(attributeNormal(*attribute)));
+    const glm::vec3 turned = bent.normal(context, found, decodeNormal(attributeNormal(*attribute)));
     if (glm::dot(turned, turned) > 0)
       normal = glm::normalize(glm::transpose(glm::dmat3(in->to_part)) * glm::dvec3(turned));
     hit.material = attributePalette(*attribute);

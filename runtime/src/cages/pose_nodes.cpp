@@ -230,12 +230,13 @@ void PoseCages::blend(const Pose& to, int part, float weight, Pose& pose) {
 
 Result<void> PoseCages::check(const Pose& pose, int part) {
   using namespace simd;
+  const NodesInPose* const in = of(pose, part);
+  if (!in || !in->written) return {};
   const glm::ivec3 size = const_cast<Pose&>(pose).shapes()[part].size;
   const float most = 0x1p20f * static_cast<float>(std::max({size.x, size.y, size.z}));
   const float limit = std::nextafter(most, INFINITY);
-  const std::span<const glm::vec3> nodes = pose.nodes(part);
-  const float* const numbers = &nodes.data()->x;
-  const std::size_t count = 3 * nodes.size(), whole = count & ~std::size_t{3};
+  const float* const numbers = &in->cages[0].nodes->x;
+  const std::size_t count = std::size_t{3} * in->cages[0].node_count, whole = count & ~std::size_t{3};
   unsigned good = 15;
   for (std::size_t i = 0; i < whole; i += 4) good &= lessBits(abs(Lanes::load(numbers + i)), limit);
   const auto isGood = [limit](float number) { return std::abs(number) < limit; };

@@ -89,7 +89,7 @@ struct PoseCages {
   static void assign(const Pose& from, Pose& to);
   // To be called before the knots are blended. weight: of the part.
   static void blend(const Pose& to, int part, float weight, Pose& pose);
-  // An error if a node is no finite number, or too far away.
+  // An error if a node that the host wrote is no finite number, or too far away.
   static Result<void> check(const Pose& pose, int part);
   static void clamp(Pose& pose, int part);
 };

@@ -86,6 +86,22 @@ void addInverted(const FourCells& four, unsigned lanes, CageInPose& cage) {
   }
 }
 
+// The boxes above the leaves, level by level, and those without cells.
+void boundBoxes(CageInPose& posed) {
+  const glm::vec3 nowhere(kNowhere);
+  std::uint32_t used = (posed.cell_count + kLeafCells - 1) / kLeafCells;
+  std::fill(posed.tree + posed.leaves + used, posed.tree + 2 * std::size_t{posed.leaves},
+            Box{nowhere, nowhere});
+  for (std::uint32_t first = posed.leaves / 2; first > 0; first /= 2) {
+    Box* const boxes = posed.tree + first;
+    const Box* const below = boxes + first;
+    for (std::uint32_t i = 0; i < used / 2; ++i) boxes[i] = around(below[2 * i], below[2 * i + 1]);
+    if (used % 2 != 0) boxes[used / 2] = below[used - 1];
+    used = (used + 1) / 2;
+    std::fill(boxes + used, boxes + first, Box{nowhere, nowhere});
+  }
+}
+
 // The tree, and the inverted tetrahedra.
 void boundCells(const Cage& cage, CageInPose& posed) {
   static_assert(kLeafCells == 2);
@@ -117,9 +133,7 @@ void boundCells(const Cage& cage, CageInPose& posed) {
       leaf[next] = {{sides[0][lane], sides[1][lane], sides[2][lane]},
                     {sides[3][lane], sides[4][lane], sides[5][lane]}};
   }
-  std::fill(leaf + (count + kLeafCells - 1) / kLeafCells, leaf + posed.leaves, Box{});
-  for (std::uint32_t i = posed.leaves - 1; i > 0; --i)
-    posed.tree[i] = around(posed.tree[2 * i], posed.tree[2 * i + 1]);
+  boundBoxes(posed);
 }
 
 // Nodes of a coarser cage follow those of the next finer one.
@@ -159,7 +173,7 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage) {
   }
   CageInPose& in = nodes->cages[static_cast<std::size_t>(cage)];
   const bool made = in.bounded.make(PoseCages::stampOf(pose, part), [&] {
-    if (!PoseCages::place(pose, part) || (nodes->written && !PoseCages::check(pose, part))) return false;
+    if (!PoseCages::place(pose, part) || !PoseCages::check(pose, part)) return false;
     placeCoarser(pose, part, cages, cage);
     boundCells(of, in);
     return true;
