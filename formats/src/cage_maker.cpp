@@ -99,32 +99,49 @@ Result<void> CageMaker::connect(std::span<std::uint32_t> cells) {
   for (const std::uint8_t block : source_.blocks) cubes += holdsCells(block) ? 1 : 0;
   if (!cubes_.reset(cubes) || !corners_.reset(8 * std::uint64_t{cell_count_}))
     return Error{ErrorCode::kOutOfMemory, "no memory for a cage"};
-  if (const Result<void> r = placeCells(); !r) return r;
+  if (const Result<void> r = checkInsides(); !r) return r;
+  placeCells();
   if (const Result<void> r = nameNodes(); !r) return r;
   joinCells();
   return {};
 }
 
-// True if all 26 cubes around are solid or hold cells.
-bool CageMaker::isWrapped(const glm::ivec3& at) const {
-  if (!isInGrid(at - 1, cage_.grid) || !isInGrid(at + 1, cage_.grid)) return false;
-  for (int i = 0; i < 27; ++i) {
-    const glm::ivec3 beside = at + glm::ivec3(i % 3, i / 3 % 3, i / 9) - 1;
-    if (source_.blocks[cubeIndex(beside, cage_.grid)] == 0) return false;
+// All 26 cubes around one that is inside are solid or hold cells. Row by row: there may be millions.
+Result<void> CageMaker::checkInsides() const {
+  const glm::ivec3& grid = cage_.grid;
+  for (int z = 0; z < grid.z; ++z) {
+    for (int y = 0; y < grid.y; ++y) {
+      const auto rowAt = [&](int dy, int dz) {
+        return source_.blocks.subspan(cubeIndex({0, y + dy, z + dz}, grid), static_cast<std::size_t>(grid.x));
+      };
+      const std::span<const std::uint8_t> row = rowAt(0, 0);
+      if (std::find(row.begin(), row.end(), kInsideBlock) == row.end()) continue;
+      // Of each x: the nine cubes in this row and beside it hold something.
+      std::array<std::uint8_t, kMostCageCells> filled{};
+      if (isInGrid({0, y - 1, z - 1}, grid) && isInGrid({0, y + 1, z + 1}, grid)) {
+        filled.fill(1);
+        for (int i = 0; i < 9; ++i) {
+          const std::span<const std::uint8_t> beside = rowAt(i % 3 - 1, i / 3 - 1);
+          for (std::size_t x = 0; x < beside.size(); ++x) filled[x] &= beside[x] != 0;
+        }
+      }
+      for (std::size_t x = 0; x < row.size(); ++x)
+        if (row[x] == kInsideBlock &&
+            (x == 0 || x + 1 == row.size() || !(filled[x - 1] & filled[x] & filled[x + 1])))
+          return wrongCage("a cube of a cage is said to be inside, but around it is a cube without solid");
+    }
   }
-  return true;
+  return {};
 }
 
 // Cells in Morton order of their cubes; which cubes have them; all corners.
-Result<void> CageMaker::placeCells() {
+void CageMaker::placeCells() {
   std::uint32_t next = 0, cube = 0;
   const glm::ivec3 points = cage_.grid + 1;
   for (MortonWalk walk(cage_.grid); !walk.done(); walk.next()) {
     const glm::ivec3 at = walk.cell();
     const std::uint32_t index = cubeIndex(at, cage_.grid);
     const std::uint8_t block = source_.blocks[index];
-    if (block == kInsideBlock && !isWrapped(at))
-      return wrongCage("a cube of a cage is said to be inside, but around it is a cube without solid");
     if (!holdsCells(block)) continue;
     cubes_[cube++] = std::uint64_t{index} << 32 | next;
     for (int piece = 0; piece < block; ++piece, ++next) {
@@ -136,7 +153,6 @@ Result<void> CageMaker::placeCells() {
   }
   std::sort(cubes_.begin(), cubes_.end());
   std::sort(corners_.begin(), corners_.end());
-  return {};
 }
 
 // Nodes in the order of the lattice's points; those of one point in the order of their first corners.

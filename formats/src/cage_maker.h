@@ -48,8 +48,8 @@ class CageMaker {
 
   std::uint32_t* cell(std::uint32_t i) { return &cells_[std::size_t{kCageCellWords} * i]; }
   std::uint32_t& node(std::uint32_t i, int corner) { return cell(i)[2 + corner]; }
-  bool isWrapped(const glm::ivec3& at) const;
-  Result<void> placeCells();
+  Result<void> checkInsides() const;
+  void placeCells();
   Result<void> nameNodes();
   Cube cubeAt(const glm::ivec3& at) const;
   void joinCells();

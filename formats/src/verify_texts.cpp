@@ -15,9 +15,9 @@ const char* toString(IssueId id) {
     case IssueId::kUnknownChunk:
       return "This version does not know an optional chunk and skips it. A newer kelp may use it.";
     case IssueId::kMetadata:
-      return "Parts, palette, rigs, clips, sockets, joints or information break a rule. The writer has a "
-             "bug: report "
-             "it.";
+      return "Parts, palette, rigs, clips, sockets, joints, cages or information break a rule. The writer "
+             "has "
+             "a bug: report it.";
     case IssueId::kNotMonotone:
       return "The rest rig of a part turns back along its axis. Shorten the tangents of its knots and bake "
              "again.";

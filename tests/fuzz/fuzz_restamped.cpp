@@ -119,7 +119,8 @@ void apply(PackSurgeon& surgeon, const Record& record) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const PackSurgeon sound[] = {
       PackSurgeon(readGolden("solid.kelp")), PackSurgeon(readGolden("fog.kelp")),
-      PackSurgeon(readGolden("distance.kelp")), PackSurgeon(readGolden("joints.kelp"))};
+      PackSurgeon(readGolden("distance.kelp")), PackSurgeon(readGolden("joints.kelp")),
+      PackSurgeon(readGolden("cage.kelp"))};
   if (size == 0) return 0;
   PackSurgeon surgeon = sound[data[0] % std::size(sound)];
   for (std::size_t at = 1; at + sizeof(Record) <= std::min<std::size_t>(size, 1 + 32 * sizeof(Record));

@@ -14,6 +14,7 @@
 #include "kelp/formats/sweep.h"
 #include "kelp/formats/verify.h"
 #include "raw_of_pack.h"
+#include "support/naive_cages.h"
 #include "support/surface_above.h"
 
 namespace {
@@ -215,6 +216,8 @@ RawPack makePack(Numbers& in) {
     }
   }
   for (int count = in.below(4); count > 0; --count) pack.joints.push_back(makeJoint(in, pack));
+  for (RawPart& part : pack.parts)
+    if (!part.fog && in.byte() % 2 == 1) test::addNaiveCages(part, 2 << in.below(4), test::solidOf(part));
   return pack;
 }
 
@@ -237,11 +240,12 @@ void change(Numbers& in, RawPack& pack) {
   std::memcpy(&real, &number, sizeof real);
   RawPart& part = pack.parts[which % pack.parts.size()];
   RawLevel* const level = part.levels.empty() ? nullptr : &part.levels[which / 8 % part.levels.size()];
+  RawCage* const cage = part.cages.empty() ? nullptr : &part.cages[which / 8 % part.cages.size()];
   RawClip* const clip = pack.clips.empty() ? nullptr : &pack.clips[which % pack.clips.size()];
   Knot* const knot = part.knots.empty() ? nullptr : &part.knots[at % part.knots.size()];
   RawJoint* const joint = pack.joints.empty() ? nullptr : &pack.joints[which % pack.joints.size()];
   RawSocket* const socket = pack.sockets.empty() ? nullptr : &pack.sockets[which % pack.sockets.size()];
-  switch (what % 31) {
+  switch (what % 37) {
     case 0:
       if (level) changeOne(level->cells, at, number);
       break;
@@ -333,8 +337,50 @@ void change(Numbers& in, RawPack& pack) {
     case 30:
       if (joint) joint->parts.push_back(number);
       break;
+    case 31:
+      if (cage) changeOne(cage->blocks, at, number);
+      break;
+    case 32:
+      if (cage) changeOne(cage->masks, at, number);
+      break;
+    case 33:
+      if (cage) changeOne(cage->split_points, at, number);
+      break;
+    case 34:
+      if (cage) changeOne(cage->splits, at, number);
+      break;
+    case 35:
+      if (cage) changeOne(cage->follows, at, number);
+      break;
+    case 36:
+      part.cell = static_cast<int>(number % 40);
+      break;
     default:
       pack.palette.resize(at % 300);
+  }
+}
+
+// Cages are not kept as they were written, but as makeCage() makes them.
+void checkCages(const Pack& pack, const RawPack& raw) {
+  for (std::size_t p = 0; p < raw.parts.size(); ++p) {
+    const RawPart& part = raw.parts[p];
+    const std::span<const Cage> cages = pack.parts()[p].cages;
+    if (cages.size() != part.cages.size()) fail("reads back with another", "number of cages");
+    for (std::size_t i = 0; i < cages.size(); ++i) {
+      CageMemory memory;
+      const Result<Cage> cage =
+          makeCage(part.cages[i].source(), part.size, static_cast<int>(part.levels.size()), part.cell,
+                   static_cast<int>(i), i > 0 ? &cages[i - 1] : nullptr, ~std::uint64_t{0}, memory);
+      const auto same = [](std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) {
+        return std::equal(a.begin(), a.end(), b.begin(), b.end());
+      };
+      if (!cage || !same(cage->words, cages[i].words) || !same(cage->places, cages[i].places) ||
+          !same(cage->follows, cages[i].follows))
+        fail("reads back with another", "cage");
+      for (std::uint32_t node = 0; i > 0 && node < cage->nodes(); ++node)
+        for (const std::uint32_t finer : cageFollows(*cage, node, cages[i - 1]).nodes)
+          if (finer >= cages[i - 1].nodes()) fail("a node", "follows none");
+    }
   }
 }
 
@@ -363,6 +409,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Result<RawPack> read = rawOf(*opened);
   if (!read) fail("written, but not read", read.error().detail);
   if (const char* difference = differenceOf(pack, *read)) fail("reads back with another", difference);
+
+  checkCages(*opened, pack);
 
   RawRigs rigs{pack.info_json, {}, pack.clips, pack.sockets};
   for (const RawPart& part : pack.parts)

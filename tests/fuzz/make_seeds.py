@@ -358,8 +358,8 @@ def record(chunk, at, number, what=1):
 def restamped_seeds():
     # Chunks of the first: INFO PART MATL RIGS CLIP SOCK, then GRID BRCK three times. Of the second: INFO PART
     # MATL FOGS RIGS, then GRID and BRCK or FOGB four times. Of the third: those of the first, then DGRD DIST
-    # four times. Of the fourth: those of the first with JNTS after SOCK.
-    tiny, fog, distance, joints = b"\0", b"\1", b"\2", b"\3"
+    # four times. Of the fourth: those of the first with JNTS after SOCK. Of the fifth: with CAGE after SOCK.
+    tiny, fog, distance, joints, cage = b"\0", b"\1", b"\2", b"\3", b"\4"
     nan, two = 0x7fc00000, 0x40000000
     for sound, name, kinds in (
             (tiny, "tiny", ("info", "part", "matl", "rigs", "clip", "sock")),
@@ -371,6 +371,11 @@ def restamped_seeds():
     for at, number in ((76, 1), (80, 0x7f800000), (128, 9), (196, 2)):
         yield "joints_%d.bin" % at, joints + record(6, at, number)
     yield "joints_hosts.bin", joints + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))
+    # Of CAGE a side, counts, blocks of each cage, a mask, split points and numbers, a followed cell.
+    for at in (6, 7, 8, 12, 16, 20, 72, 80, 97, 103, 104, 166, 229, 240, 280, 320, 400, 500, 600):
+        for number in (0, 255):
+            yield "cage_%d_%d.bin" % (at, number), cage + record(6, at, number, 0)
+    yield "cage_hosts.bin", cage + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))
     # A sound pack still, with other information each time it is changed: met by every kind of host.
     yield "tiny_hosts.bin", tiny + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))
     yield "fog_hosts.bin", fog + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))

@@ -83,20 +83,27 @@ class NaiveCage {
   }
 
   void addCells(const glm::ivec3& cube, const IsSolid& solid) {
-    std::vector<glm::ivec3> left;
-    for (int i = 0; i < side * side * side; ++i) {
-      const glm::ivec3 voxel = cube * side + glm::ivec3(i % side, i / side % side, i / side / side);
-      if (solid(voxel)) left.push_back(voxel);
-    }
+    const auto count_of = static_cast<std::size_t>(side * side * side);
+    const auto voxelOf = [&](std::size_t i) {
+      const int v = static_cast<int>(i);
+      return cube * side + glm::ivec3(v % side, v / side % side, v / side / side);
+    };
+    std::vector<bool> left(count_of);
+    for (std::size_t i = 0; i < count_of; ++i) left[i] = solid(voxelOf(i));
     const std::size_t first = cells.size();
-    while (!left.empty()) {
-      std::vector<glm::ivec3> piece = {left.front()};
-      left.erase(left.begin());
+    for (std::size_t start = 0; start < count_of; ++start) {
+      if (!left[start]) continue;
+      left[start] = false;
+      std::vector<glm::ivec3> piece = {voxelOf(start)};
       for (std::size_t i = 0; i < piece.size(); ++i) {
-        const auto rest = std::stable_partition(
-            left.begin(), left.end(), [&](const glm::ivec3& voxel) { return !touch(voxel, piece[i]); });
-        piece.insert(piece.end(), rest, left.end());
-        left.erase(rest, left.end());
+        for (int j = 0; j < 27; ++j) {
+          const glm::ivec3 in = piece[i] + glm::ivec3(j % 3, j / 3 % 3, j / 9) - 1 - cube * side;
+          if (in != glm::clamp(in, glm::ivec3(0), glm::ivec3(side - 1))) continue;
+          const auto at = static_cast<std::size_t>(in.x + side * (in.y + side * in.z));
+          if (!left[at]) continue;
+          left[at] = false;
+          piece.push_back(voxelOf(at));
+        }
       }
       cells.push_back({cube, piece});
     }
@@ -117,8 +124,15 @@ class NaiveCage {
 
   bool touch(const Cell& a, const Cell& b) const {
     if (!touch(a.cube, b.cube) || a.cube == b.cube) return false;
-    for (const glm::ivec3& v : a.voxels)
-      for (const glm::ivec3& w : b.voxels)
+    const auto beside = [this](const Cell& cell, const glm::ivec3& cube) {
+      std::vector<glm::ivec3> out;
+      for (const glm::ivec3& v : cell.voxels)
+        if (v == glm::clamp(v, cube * side - 1, cube * side + side)) out.push_back(v);
+      return out;
+    };
+    const std::vector<glm::ivec3> of_a = beside(a, b.cube), of_b = beside(b, a.cube);
+    for (const glm::ivec3& v : of_a)
+      for (const glm::ivec3& w : of_b)
         if (touch(v, w)) return true;
     return false;
   }

@@ -85,7 +85,8 @@ Command addVerify(CLI::App& app) {
                  "  kelp-dump verify reed.kelp --deep --format json\n");
   addPack(command, options->path);
   command->add_flag("--deep", options->deep,
-                    "also recompute clearances, levels, surface and distances from the voxels, and compare");
+                    "also recompute clearances, levels, surface and distances from the voxels, and compare; "
+                    "and compare cages with the voxels");
   addFormat(command, options->format);
   return {command, [options] { return runVerify(*options); }};
 }

@@ -74,6 +74,7 @@ void diffPalettes(const Pack& a, const Pack& b, const PaletteDistances& distance
 // Compares all except voxels. Returns whether the voxels can be compared.
 bool diffPart(const Pack& a, const Pack& b, int part_a, const PartPairs& pairs, const Tolerance& tolerance,
               std::vector<Difference>& out);
+void diffCages(const Part& a, const Part& b, std::vector<Difference>& out);
 void diffClips(const Pack& a, const Pack& b, const PartPairs& pairs, const Tolerance& tolerance,
                std::vector<Difference>& out);
 void diffSockets(const Pack& a, const Pack& b, const PartPairs& pairs, const Tolerance& tolerance,

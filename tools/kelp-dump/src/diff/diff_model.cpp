@@ -359,6 +359,7 @@ bool diffPart(const Pack& a, const Pack& b, int part_a, const PartPairs& pairs, 
   found.place();
   found.look();
   found.rig();
+  diffCages(u, v, out);
   return fit;
 }
 

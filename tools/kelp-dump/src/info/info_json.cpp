@@ -12,6 +12,22 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json cageJson(const Part& part) {
+  Json cages = Json::array();
+  for (const Cage& cage : part.cages) {
+    const CageSummary its = summarize(cage);
+    cages.push_back({{"first_level", cage.first_level},
+                     {"last_level", cage.last_level},
+                     {"cell", cage.side},
+                     {"cells", cage.cells()},
+                     {"nodes", cage.nodes()},
+                     {"faces", cage.faces()},
+                     {"pieces", its.pieces},
+                     {"memory_bytes", its.memory}});
+  }
+  return {{"cell", part.cages[0].side}, {"spline", toString(part.bend)}, {"cages", cages}};
+}
+
 Json partJson(const PartSummary& p) {
   const Part& part = *p.part;
   Json knots = Json::array(), levels = Json::array(), to_object = Json::array();
@@ -44,7 +60,7 @@ Json partJson(const PartSummary& p) {
                {"size", array3(part.size)},
                {"voxel_metres", array3(p.voxel)},
                {"to_object", to_object},
-               {"bend", toString(part.bend)},
+               {"bend", part.cages.empty() ? toString(part.bend) : "cage"},
                {"roll", rollInDegrees(part.roll)},
                {"knots", knots},
                {"levels", levels}};
@@ -52,6 +68,7 @@ Json partJson(const PartSummary& p) {
     json["distances"] = {{"levels", p.distances->levels},
                          {"pages", p.distances->pages},
                          {"stored_bytes", p.distances->stored}};
+  if (!part.cages.empty()) json["cage"] = cageJson(part);
   if (part.fog) {
     Json ramp = Json::array();
     for (const glm::vec3& color : part.fog->ramp) ramp.push_back(array3(color));

@@ -113,6 +113,22 @@ std::string voxelText(const PartSummary& p) {
                              metersText(p.voxel.z));
 }
 
+std::string cagesText(const Part& part) {
+  if (part.cages.empty()) return "";
+  std::string text = fmt::format("    {:<10}{:>8}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "cage", "cells of",
+                                 "cells", "pieces", "nodes", "faces", "in memory");
+  for (const Cage& cage : part.cages) {
+    const CageSummary its = summarize(cage);
+    const std::string levels = cage.first_level == cage.last_level
+                                   ? fmt::format("level {}", cage.first_level)
+                                   : fmt::format("levels {}-{}", cage.first_level, cage.last_level);
+    text += fmt::format("    {:<10}{:>8}{:>12}{:>12}{:>12}{:>12}{:>12}\n", levels, cage.side,
+                        countText(cage.cells()), countText(its.pieces), countText(cage.nodes()),
+                        countText(cage.faces()), bytesText(its.memory));
+  }
+  return text;
+}
+
 std::string partText(const Summary& summary, std::size_t index) {
   const PartSummary& p = summary.parts[index];
   const Part& part = *p.part;
@@ -124,11 +140,12 @@ std::string partText(const Summary& summary, std::size_t index) {
   for (std::size_t k = 0; k < part.knots.size() && k < 8; ++k)
     text += fmt::format(" {:.3g}", part.knots[k].at);
   if (part.knots.size() > 8) text += " ...";
+  if (!part.cages.empty()) text += fmt::format("; in a cage of cells of {}", part.cages[0].side);
   if (part.bend == Bend::kSweep) text += "; swept";
   if (part.roll != 0) text += fmt::format(", turned by {:.4g} degrees", rollInDegrees(part.roll));
   if (part.parent >= 0) text += fmt::format("; follows part {}", part.parent);
   if (part.parent_at >= 0) text += fmt::format(" at {:.4g} of its spline", part.parent_at);
-  return text + "\n" + (part.fog ? fogText(*part.fog) : "") + levelsText(summary, p);
+  return text + "\n" + (part.fog ? fogText(*part.fog) : "") + levelsText(summary, p) + cagesText(part);
 }
 
 // One line a part, and the levels of all parts together.

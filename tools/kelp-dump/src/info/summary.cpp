@@ -155,6 +155,13 @@ std::vector<ChunkSummary> summarizeChunks(const Pack& pack, const std::optional<
 
 }  // namespace
 
+CageSummary summarize(const Cage& cage) {
+  CageSummary out;
+  for (std::uint32_t i = 0; i < cage.cells(); ++i) out.pieces += cage.cell(i)[1] != 0 ? 1 : 0;
+  out.memory = cage.words.size_bytes() + cage.places.size_bytes() + cage.follows.size_bytes();
+  return out;
+}
+
 std::uint64_t PartSummary::stored() const {
   return std::accumulate(levels.begin(), levels.end(), std::uint64_t{0},
                          [](std::uint64_t sum, const LevelSummary& l) { return sum + l.stored; });

@@ -35,6 +35,12 @@ struct DistanceSummary {
   std::uint64_t stored = 0;  // bytes in the file
 };
 
+struct CageSummary {
+  std::uint64_t pieces = 0;  // cells in cubes of several
+  std::uint64_t memory = 0;  // bytes
+};
+CageSummary summarize(const Cage& cage);
+
 struct PartSummary {
   const Part* part = nullptr;  // of the PackFile's pack
   glm::dvec3 voxel{0};         // edges of a voxel in meters

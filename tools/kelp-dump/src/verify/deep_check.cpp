@@ -79,8 +79,9 @@ class DeepCheck {
   }
 
   void checkSolid(int part) {
+    const Part& of = pack_.parts()[static_cast<std::size_t>(part)];
     Occupancy finer;
-    for (int l = 0; l < pack_.parts()[static_cast<std::size_t>(part)].levels; ++l) {
+    for (int l = 0; l < of.levels; ++l) {
       const LevelPlace place{part, l};
       const StoredLevel level = readStored(file_, place);
       Occupancy occupancy = occupancyOf(level);
@@ -88,11 +89,12 @@ class DeepCheck {
       checkAttributes(place, occupancy, l == 0 ? nullptr : &finer);
       finer = Occupancy();
       checkEmptiness(place, level, occupancy);
+      if (!of.cages.empty()) checkCage(of.cageOf(l), place, occupancy, report_);
       finer = std::move(occupancy);
       if (pack_.hasDistances()) checkDistances(file_, place, finer, threads_, report_);
     }
     // Distances go on beyond the voxels' levels.
-    for (int l = pack_.parts()[static_cast<std::size_t>(part)].levels; l < pack_.distanceLevels(part); ++l) {
+    for (int l = of.levels; l < pack_.distanceLevels(part); ++l) {
       finer = fields::coarser(finer, threads_);
       checkDistances(file_, {part, l}, finer, threads_, report_);
     }
@@ -180,6 +182,10 @@ const char* toString(DeepIssueId issue) {
              "wrote the pack is wrong: bake it again.";
     case DeepIssueId::kDistance:
       return "A distance is not that of the voxels, so things collide or shade wrongly. Bake the pack again.";
+    case DeepIssueId::kCage:
+      return "A cage does not hold the voxels of its part, so the part has holes when it bends. Bake the "
+             "pack "
+             "again.";
   }
   return "Unknown issue.";
 }

@@ -56,6 +56,11 @@ void compareClearances(const StoredLevel& level, const RawLevel& right, const Le
 void checkDistances(PackFile& file, const LevelPlace& place, const fields::Occupancy& occupancy, int threads,
                     VerifyReport& report);
 
+// Compares the cage that serves a level with its voxels: each solid one is in a cell, of its piece, or in a
+// cube that is inside, and of empty ones none is of a piece or inside.
+void checkCage(const Cage& cage, const LevelPlace& place, const fields::Occupancy& occupancy,
+               VerifyReport& report);
+
 // The deep check of a part of fog. It compares the clearances to the voxel, the samples
 // that bricks share, and every level's samples and extinction with those of the next finer level. If bricks
 // disagree about shared samples, nothing else is checked in that level.
@@ -67,7 +72,7 @@ std::uint64_t deepFogBytes(std::uint64_t voxels, int channels);
 // Recomputes what the voxels imply and appends to `report` every difference from what is stored. For each
 // level of each solid part it compares: the clearances of all empty bricks, to the voxel; the
 // occupancy with that of the next finer level; which voxels have an attribute (at level 0 the surface, above
-// it the voxels over a surface voxel). checkFogDeeply() does the same for fog.
+// it the voxels over a surface voxel); the cage. checkFogDeeply() does the same for fog.
 //
 // Parts for which `report` lists errors already are left out, as nobody can say what their voxels mean.
 // ToolError kRuntime if memory cannot hold the largest level.

@@ -26,6 +26,7 @@ enum class DeepIssueId : int {
   kFogExtinction = 507,
   kFogSeam = 508,
   kDistance = 509,
+  kCage = 510,
 };
 
 // Explains the id and says what to do. Static storage.

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Compares the cages of two parts.
+#include <algorithm>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "diff/diff.h"
+
+namespace kelp::dump {
+namespace {
+
+std::string cageText(const Part& part) {
+  return part.cages.empty() ? "no cage" : fmt::format("cells of {}", part.cages[0].side);
+}
+
+}  // namespace
+
+void diffCages(const Part& a, const Part& b, std::vector<Difference>& out) {
+  const auto say = [&](const std::string& text) -> Difference& {
+    Difference difference{"cage", "cage: " + text};
+    difference.name = a.name;
+    return out.emplace_back(difference);
+  };
+  if (cageText(a) != cageText(b)) {
+    Difference& difference = say(cageText(a) + " and " + cageText(b));
+    difference.a = cageText(a);
+    difference.b = cageText(b);
+  } else if (a.size == b.size) {
+    for (std::size_t i = 0; i < std::min(a.cages.size(), b.cages.size()); ++i) {
+      const Cage &u = a.cages[i], &v = b.cages[i];
+      const auto differ = [](std::span<const std::uint32_t> x, std::span<const std::uint32_t> y) {
+        return !std::equal(x.begin(), x.end(), y.begin(), y.end());
+      };
+      if (differ(u.words, v.words) || differ(u.places, v.places) || differ(u.follows, v.follows))
+        say(fmt::format("other cells, pieces or nodes for level {}", u.first_level));
+    }
+  }
+}
+
+}  // namespace kelp::dump
