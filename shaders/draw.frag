@@ -22,9 +22,9 @@ vec4 kelpPreviousClip(KelpHit hit) {
     int nodes = rows + 4;
     uvec4 corners = kelpCageCorners(hit);
     vec4 shares = kelpCageShares(hit);
-    vec3 at = shares.x * kelpRecord(nodes + int(corners.x)).xyz + shares.y * kelpRecord(nodes + int(corners.y)).xyz +
-              shares.z * kelpRecord(nodes + int(corners.z)).xyz + shares.w * kelpRecord(nodes + int(corners.w)).xyz;
-    return kelpRows(rows, kelpRecord(rows + 3)) * vec4(at, 1.0);
+    vec4 at = shares.x * kelpRecord(nodes + int(corners.x)) + shares.y * kelpRecord(nodes + int(corners.y)) +
+              shares.z * kelpRecord(nodes + int(corners.z)) + shares.w * kelpRecord(nodes + int(corners.w));
+    return kelpRows(rows, kelpRecord(rows + 3)) * vec4(at.xyz, 1.0);
   }
   if (KELP_SWEPT) {
     int rows = kelpJointsAt() + 2 * (kelp_arc_count + 1);

@@ -155,8 +155,8 @@ uint kelp_cells_at;
 uint kelp_pages_at;
 ivec2 kelp_grid;  // bricks along x and y
 
-// Loads the level, or the next coarser one whose table is in the pool and that has the same cage. False: there
-// is none.
+// Loads the level, or the next coarser one whose table is in the pool and that has the same cage. False:
+// there is none.
 bool kelpLoadLevel(int level) {
   uvec4 volume = kelpRecordBits(kelp_record + 11);
   int levels = min(int((volume.w >> 16u) & 255u), KELP_MAX_LEVELS);

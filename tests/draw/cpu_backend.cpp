@@ -194,8 +194,8 @@ std::vector<Seen> CpuBackend::seen(const draw::DrawData& data, bool reversed_dep
               if (!stage.kelpLoadLevel(level)) return;
               auto hit = stage.kelpNoHit(0);
               if constexpr (std::is_same_v<Fragment, shader::Caged>)
-                hit = stage.kelpWalkCaged(stage.kelp_face, stage.kelp_near, ray.ray, ray.range.x,
-                                          ray.range.y);
+                hit =
+                    stage.kelpWalkCaged(stage.kelp_face, stage.kelp_near, ray.ray, ray.range.x, ray.range.y);
               else
                 hit = stage.kelpTrace(stage.kelp_near, ray.ray, ray.range.x, ray.range.y);
               const float depth = stage.kelpDepthOf(ray.clip_at + hit.s * ray.clip_slope);

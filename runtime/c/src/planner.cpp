@@ -38,8 +38,8 @@ kelp_result answerData(PlannerObject& object, const Result<draw::DrawData>& resu
   std::memcpy(&object.uniforms, &result->uniforms, sizeof object.uniforms);
   std::size_t count = 0;
   for (const draw::Call& call : result->calls)
-    object.calls[count++] = {static_cast<kelp_program>(call.program), call.first, call.count,
-                             call.vertices, call.copies_depth};
+    object.calls[count++] = {static_cast<kelp_program>(call.program), call.first, call.count, call.vertices,
+                             call.copies_depth};
   kelp_draw_data out = {};
   out.call_count = static_cast<std::uint32_t>(count);
   out.records = reinterpret_cast<const std::uint32_t*>(result->records.data());

@@ -66,8 +66,8 @@ const Error* DrawList::poseCages(std::size_t eight, std::size_t k, const CageCho
 // Of the cages that are posed, those that draw a pixel at the level that was chosen.
 void DrawList::chooseCages(Candidate& candidate) {
   runtime::PosedCage(&posed)[2] = candidate.posed;
-  candidate.detail = servedDetail(candidate.detail, posed[0].cage->first_level,
-                                  posed[candidate.cages - 1].cage->last_level);
+  candidate.detail =
+      servedDetail(candidate.detail, posed[0].cage->first_level, posed[candidate.cages - 1].cage->last_level);
   if (candidate.cages < 2) return;
   const int last = posed[0].cage->last_level;
   if (candidate.detail.level > last) {

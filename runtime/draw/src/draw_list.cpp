@@ -69,7 +69,8 @@ constexpr glm::mat4x3 kSame(1);
 Result<void> checkPart(const runtime::Instance& instance, int part, std::span<const Knot> knots) {
   if (!instance.pose) return {};
   const Part& packed = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
-  if (packed.cages.empty()) return checkRig(packed.bend, knots, packed.size, rollOf(packed, instance.pose, part));
+  if (packed.cages.empty())
+    return checkRig(packed.bend, knots, packed.size, rollOf(packed, instance.pose, part));
   const auto posed = runtime::posedCage(instance, part, static_cast<int>(packed.cages.size()) - 1);
   return posed ? Result<void>() : Result<void>(posed.error());
 }
@@ -79,13 +80,9 @@ Result<void> checkPart(const runtime::Instance& instance, int part, std::span<co
 Result<void> DrawList::build(Residency& store, const Projection& projection, const View& view,
                              std::span<const runtime::Instance> instances, PartKind kind, Rays rays,
                              bool boxes) {
-  const Frame frame{projection,
-                    view,
-                    kind,
-                    rays,
-                    store.uploaded(),
-                    kind == PartKind::kSolid && usesDistances(view.quality),
-                    boxes};
+  const Frame frame{
+      projection, view, kind, rays, store.uploaded(), kind == PartKind::kSolid && usesDistances(view.quality),
+      boxes};
   waiting_ = 0;
   ring_ = {};
   count_ = 0;

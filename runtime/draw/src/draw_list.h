@@ -15,8 +15,8 @@ inline constexpr Error kNoMemoryForFrame{ErrorCode::kOutOfMemory, "no memory for
 // A record's palette is that of its instance, and lies among the records.
 inline constexpr std::uint32_t kOwnPalette = 0x80000000u;
 
-// The kinds of calls that draw solid parts, in their order: the highest bits of keys. kTraced: parts with cages
-// that are drawn by their bounds.
+// The kinds of calls that draw solid parts, in their order: the highest bits of keys. kTraced: parts with
+// cages that are drawn by their bounds.
 enum class Way : std::uint32_t { kSheared, kSwept, kCaged, kTraced };
 inline constexpr std::uint32_t kWays = 4;
 // Bits of keys below those that are compared. kSecond: the record of a part with the second of its cages.
@@ -103,7 +103,8 @@ class DrawList {
     float tolerance;      // of its arcs
     std::size_t arcs_at;  // in arcs_
     std::uint32_t arcs;   // how many; 0: it is no swept one
-    // Of a part with cages: which it is drawn through, how many (0: it has none), and these as they are posed.
+    // Of a part with cages: which it is drawn through, how many (0: it has none), and these as they are
+    // posed.
     int cage, cages;
     runtime::PosedCage posed[2];
   };

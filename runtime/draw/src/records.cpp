@@ -87,7 +87,7 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
     heads[k] = reinterpret_cast<RecordHead*>(out);
     const auto record = static_cast<std::uint32_t>(out - records_.data());
     const bool traced = frame.boxes || outlines[k] == 0 || meetsNearPlane(frame.view.camera, placed, k);
-    ways[k] = candidate.cages > 0 ? (traced ? Way::kTraced : Way::kCaged)
+    ways[k] = candidate.cages > 0  ? (traced ? Way::kTraced : Way::kCaged)
               : candidate.arcs > 0 ? Way::kSwept
                                    : Way::kSheared;
     out = writeSpline(frame, candidate, posed, k, 0, traced, out + kHeadTexels);

@@ -137,8 +137,9 @@ void checkPaperOptions(const Options& options, int level) {
   if (options.view == ViewKind::kParts || options.view >= ViewKind::kBounds)
     throw ToolError(
         Exit::kUsage,
-        fmt::format("--view parts, bounds, splines, cages: --method {} does not draw them; leave --method out",
-                    method));
+        fmt::format(
+            "--view parts, bounds, splines, cages: --method {} does not draw them; leave --method out",
+            method));
   if (options.shading != gl::Shading::kGradient)
     throw ToolError(Exit::kUsage, fmt::format("--shading: --method {} has one normal for each voxel; leave "
                                               "--shading out",

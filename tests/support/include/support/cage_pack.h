@@ -14,8 +14,7 @@ namespace kelp::test {
 inline RawPack caged(RawPack pack, int cell) {
   for (RawPart& part : pack.parts) {
     part.cell = cell;
-    part.cages =
-        fields::buildCages(part.levels[0], part.size, static_cast<int>(part.levels.size()), cell);
+    part.cages = fields::buildCages(part.levels[0], part.size, static_cast<int>(part.levels.size()), cell);
   }
   return pack;
 }

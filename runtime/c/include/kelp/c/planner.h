@@ -99,8 +99,8 @@ KELP_API kelp_result kelp_planner_get_copies(kelp_planner planner, const kelp_co
 KELP_API kelp_result kelp_planner_copied(kelp_planner planner);
 
 // A draw call: `count` instances from `first` on, of so many vertices each: strips of six; of
-// KELP_PROGRAM_CAGED lists of triangles, of KELP_PROGRAM_LINES one list of lines, with kelp_draw_data.lines as
-// the records. No vertex buffer.
+// KELP_PROGRAM_CAGED lists of triangles, of KELP_PROGRAM_LINES one list of lines, with kelp_draw_data.lines
+// as the records. No vertex buffer.
 typedef struct kelp_call {
   kelp_program program;
   uint32_t first;
