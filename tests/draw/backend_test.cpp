@@ -111,7 +111,7 @@ TEST_F(BackendTest, PartsWithCages) {
     hosts.expectSame("faces of the cage", view, instance, options);
     view.quality.shading = gl::Shading::kSmooth;
     hosts.expectSame("smooth", view, instance, options);
-    view.quality = {.self_shadow = view.quality.self_shadow, .pixels_per_voxel = 5};
+    view.quality = {.pixels_per_voxel = 5, .self_shadow = view.quality.self_shadow};
     const Instance at_rest{clump.asset.get()};
     hosts.expectSame("coarse", view, instance, options);
     view = closeTo(at_rest);
