@@ -17,7 +17,10 @@
 // went on inside. KelpHit::clips counts tetrahedra, KelpHit::outside boxes.
 
 #define KELP_MAX_TETRAHEDRA 4096  // of a walk: a guard against rounding
-#define KELP_CAGE_SLACK 0.001f    // tetrahedra are taken that much larger where none is walked from, voxels
+#define KELP_CAGE_SLACK \
+  0.004f  // how much larger tetrahedra are taken where rounding would lose the ray, voxels
+#define KELP_CAGE_TRIES 9         // of a walk that leaves the cage close to an edge
+#define KELP_CAGE_OUTSIDE 0xffffffffu
 #define KELP_CAGE_INSIDE 0xfffffffeu
 
 KELP_FN uint kelpCageCell(uint cell) { return 4u + 16u * cell; }
@@ -78,11 +81,6 @@ KELP_FN KelpTetrahedron kelpTetrahedron(KELP_CONTEXT_ uint at, int number, vec3 
 KELP_FN vec3 kelpCellPlace(ivec3 axes, vec4 f) {
   return kelpByAxes(axes, vec3(f.y + f.z + f.w, f.z + f.w, f.w));
 }
-// The word of a cell that tells what is beyond a face of a tetrahedron, 0 or 3.
-KELP_FN uint kelpBeyond(KELP_CONTEXT_ uint at, ivec3 axes, int face) {
-  return KELP_CAGE_WORD(at + 10u + (face == 0 ? uint(2 * axes.x + 1) : uint(2 * axes.z)));
-}
-
 // A voxel as it is drawn: that of the finest level that is resident there.
 struct KelpVoxel {
   int coarser;
@@ -249,6 +247,23 @@ KELP_FN vec2 kelpFoldRange(KELP_CONTEXT_ vec3 o, vec3 r) {
   return kelpBoxRange(low, high, o, kelpPerDirection(r), vec2(-KELP_NEVER, KELP_NEVER));
 }
 
+// Where a walk begins anew, the n-th time: beside the point of the start face where it began, by less than is
+// promised. Only what passes an edge of the boundary begins anew: rounding may have taken it out of the cage.
+KELP_FN vec3 kelpNudged(KELP_CONTEXT_ uint face, vec3 o, int n) {
+  uint at = kelpCageCell(face >> 5u);
+  ivec3 axes = kelpTetrahedronAxes(int((face >> 2u) & 7u));
+  uint a = 1u << uint(axes.x);
+  uint b = 7u - (1u << uint(axes.z));
+  // Corners of the face: 0 or 7, a and a + b.
+  vec3 middle = KELP_NODE(KELP_CAGE_WORD(at + 2u + a));
+  vec3 along = KELP_NODE(KELP_CAGE_WORD(at + 2u + b)) - middle;
+  vec3 across = KELP_NODE(KELP_CAGE_WORD(at + ((face & 3u) == 0u ? 9u : 2u))) - middle;
+  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  float angle = 2.4f * float(n);
+  float far = KELP_CAGE_SLACK / side * (float(n) / float(KELP_CAGE_TRIES));
+  return o + far * (cos(angle) * along + sin(angle) * across);
+}
+
 // The first solid voxel of a caged part along o + s r, s in [s_min, s_max], of a walk that begins in a
 // boundary face: from tetrahedron to tetrahedron, by the face that is exited first, never back by the one
 // just entered. `face` is its word in the list of boundary faces. o lies on it, and the ray enters there.
@@ -260,26 +275,34 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
   hit.room = 0.0;
 #endif
   vec2 fold = kelpFoldRange(KELP_CONTEXT o, r);
+  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
   uint cell = face >> 5u;
   int number = int((face >> 2u) & 7u);
   int entry = int(face & 3u);
+  vec3 from = o;
   float s = 0.0f;
+  int tries = 1;
   bool going = number < 6;
   while (going && hit.clips < KELP_MAX_TETRAHEDRA) {
     ++hit.clips;
     uint at = kelpCageCell(cell);
-    KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, o, r);
+    KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, from, r);
     float way = g.turned ? -1.0f : 1.0f;
-    // The faces towards which the ray goes, and when it is there.
+    uint high = KELP_CAGE_WORD(at + 11u + uint(2 * g.axes.x));
+    uint low = KELP_CAGE_WORD(at + 10u + uint(2 * g.axes.z));
+    // The faces towards which the ray goes, and when it is there. Beyond the boundary there is no way back, so
+    // it lies a little farther out.
     vec4 towards = -way * g.slope;
-    float to_0 = entry != 0 && towards.x > 0.0f ? g.f.x / towards.x : KELP_NEVER;
+    float slack = g.det * (KELP_CAGE_SLACK / side);
+    float f_0 = g.f.x + (high == KELP_CAGE_OUTSIDE ? slack : 0.0f);
+    float f_3 = g.f.w + (low == KELP_CAGE_OUTSIDE ? slack : 0.0f);
+    float to_0 = entry != 0 && towards.x > 0.0f ? f_0 / towards.x : KELP_NEVER;
     float to_1 = entry != 1 && towards.y > 0.0f ? g.f.y / towards.y : KELP_NEVER;
     float to_2 = entry != 2 && towards.z > 0.0f ? g.f.z / towards.z : KELP_NEVER;
-    float to_3 = entry != 3 && towards.w > 0.0f ? g.f.w / towards.w : KELP_NEVER;
+    float to_3 = entry != 3 && towards.w > 0.0f ? f_3 / towards.w : KELP_NEVER;
     float leave = min(min(to_0, to_1), min(to_2, to_3));
     int exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
-    bool lost = !(leave < KELP_NEVER);
-    if (lost) {
+    if (!(leave < KELP_NEVER)) {
       // Flat, or rounding: by the face that is nearest to being crossed.
       to_0 = entry != 0 ? -towards.x : KELP_NEVER;
       to_1 = entry != 1 ? -towards.y : KELP_NEVER;
@@ -290,26 +313,41 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
       leave = way * s;
     }
     float out_s = g.turned ? min(-leave, s) : max(leave, s);
+#ifdef CAGE_DEBUG
+    if (cage_debug) printf("  cell %u.%d entry %d exit %d s %.6f to %.6f turned %d f %g %g %g %g slope %g %g %g %g det %g high %x low %x to %g %g %g %g\n", cell, number, entry, exit, s, out_s, g.turned, g.f.x, g.f.y, g.f.z, g.f.w, g.slope.x, g.slope.y, g.slope.z, g.slope.w, g.det, high, low,to_0,to_1,to_2,to_3);
+#endif
 
-    bool through_side = exit == 0 || exit == 3;
-    uint next = through_side ? kelpBeyond(KELP_CONTEXT at, g.axes, exit) : cell;
+    uint next = exit == 0 ? high : (exit == 3 ? low : cell);
     float reached = out_s;
     vec2 range = vec2(max(s, s_min), min(out_s, hit.s));
     if (!g.turned && range.x <= range.y) {
-      float limit = hit.s;
-      bool enters = next == KELP_CAGE_INSIDE && out_s <= limit;
+      bool enters = next == KELP_CAGE_INSIDE && range.y == out_s;
       hit = kelpMarchTetrahedron(KELP_CONTEXT g, cell, 0.0f, range, enters ? exit : -1, hit);
       if (hit.found && hit.s <= range.y) reached = hit.s;
     }
-    going = next < KELP_CAGE_INSIDE && (reached < hit.s || (hit.s > fold.x && reached < fold.y));
-    s = out_s;
-    cell = next;
-    ivec3 axes = g.axes;
-    number = exit == 0   ? kelpTetrahedronNumber(axes.y, axes.z)
-             : exit == 1 ? kelpTetrahedronNumber(axes.y, axes.x)
-             : exit == 2 ? kelpTetrahedronNumber(axes.x, axes.z)
-                         : kelpTetrahedronNumber(axes.z, axes.x);
-    entry = through_side ? 3 - exit : exit;
+    going = reached < hit.s || (hit.s > fold.x && reached < fold.y);
+    // Out of the cage, close to another face than the one it leaves by?
+    vec4 there = g.f + out_s * g.slope;
+    int touched = (there.x <= 2.0f * slack ? 1 : 0) + (there.y <= 2.0f * slack ? 1 : 0) +
+                  (there.z <= 2.0f * slack ? 1 : 0) + (there.w <= 2.0f * slack ? 1 : 0);
+    bool again = going && !hit.found && next >= KELP_CAGE_INSIDE && touched > 1 && tries < KELP_CAGE_TRIES;
+    going = going && (next < KELP_CAGE_INSIDE || again);
+    s = again ? 0.0f : out_s;
+    if (again) {
+      from = kelpNudged(KELP_CONTEXT face, o, tries);
+      ++tries;
+      cell = face >> 5u;
+      number = int((face >> 2u) & 7u);
+      entry = int(face & 3u);
+    } else {
+      cell = next;
+      ivec3 axes = g.axes;
+      number = exit == 0   ? kelpTetrahedronNumber(axes.y, axes.z)
+               : exit == 1 ? kelpTetrahedronNumber(axes.y, axes.x)
+               : exit == 2 ? kelpTetrahedronNumber(axes.x, axes.z)
+                           : kelpTetrahedronNumber(axes.z, axes.x);
+      entry = exit == 0 || exit == 3 ? 3 - exit : exit;
+    }
   }
   return hit;
 }

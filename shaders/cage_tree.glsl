@@ -2,25 +2,39 @@
 // Rays through caged parts from anywhere, by the tree over their cells, after cage.glsl; and kelpTrace, for
 // parts of any kind.
 
-// Where a ray is in a tetrahedron, and the faces by which it enters and leaves.
+// The word of a cell that tells what is beyond a face of a tetrahedron, 0 or 3.
+KELP_FN uint kelpBeyond(KELP_CONTEXT_ uint at, ivec3 axes, int face) {
+  return KELP_CAGE_WORD(at + 10u + (face == 0 ? uint(2 * axes.x + 1) : uint(2 * axes.z)));
+}
+
+// What a ray must cross of a tetrahedron to tell where it comes from, of the tetrahedron's length there.
+#define KELP_CAGE_SHORT 0.05f
+
+// Where a ray is in a tetrahedron, the faces by which it enters and leaves, and where it is in one that is
+// larger by a slack.
 struct KelpCrossing {
-  float s0;
-  float s1;
+  vec2 s;
+  vec2 grown;
   int entry;
   int exit;
 };
-KELP_FN KelpCrossing kelpCrossFace(KelpCrossing before, int face, float f, float slope) {
+KELP_FN KelpCrossing kelpCrossFace(KelpCrossing before, int face, float f, float slope, float slack) {
   KelpCrossing c = before;
+  if (slope == 0.0f) {
+    if (f < -slack) c.grown = vec2(KELP_NEVER, -KELP_NEVER);
+    return c;
+  }
   float s = -f / slope;
-  if (slope > 0.0f && s > c.s0) {
-    c.s0 = s;
-    c.entry = face;
+  float more = slack / abs(slope);
+  if (slope > 0.0f) {
+    if (s > c.s.x) c.entry = face;
+    c.s = vec2(max(c.s.x, s), c.s.y);
+    c.grown = vec2(max(c.grown.x, s - more), c.grown.y);
+  } else {
+    if (s < c.s.y) c.exit = face;
+    c.s = vec2(c.s.x, min(c.s.y, s));
+    c.grown = vec2(c.grown.x, min(c.grown.y, s + more));
   }
-  if (slope < 0.0f && s < c.s1) {
-    c.s1 = s;
-    c.exit = face;
-  }
-  if (slope == 0.0f && f < 0.0f) c.s1 = -KELP_NEVER;
   return c;
 }
 
@@ -55,33 +69,40 @@ KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, vec3 o, vec3 r, ve
   float from = in_box.x;
   vec3 p = o + from * r;
   float start = s_min - from;
-  float slack = KELP_CAGE_SLACK / float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  float slack = KELP_CAGE_SLACK / side;
   for (int number = 0; number < 6; ++number) {
     KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, p, r);
     KelpCrossing c;
-    c.s0 = -KELP_NEVER;
-    c.s1 = KELP_NEVER;
+    c.s = vec2(-KELP_NEVER, KELP_NEVER);
+    c.grown = c.s;
     c.entry = -1;
     c.exit = -1;
     float more = slack * g.det;
-    c = kelpCrossFace(c, 0, g.f.x + more, g.slope.x);
-    c = kelpCrossFace(c, 1, g.f.y + more, g.slope.y);
-    c = kelpCrossFace(c, 2, g.f.z + more, g.slope.z);
-    c = kelpCrossFace(c, 3, g.f.w + more, g.slope.w);
-    if (g.turned || !(c.s0 <= c.s1 && c.s1 >= start)) continue;
-    bool from_inside = c.s0 > start && (c.entry == 0 || c.entry == 3) &&
+    c = kelpCrossFace(c, 0, g.f.x, g.slope.x, more);
+    c = kelpCrossFace(c, 1, g.f.y, g.slope.y, more);
+    c = kelpCrossFace(c, 2, g.f.z, g.slope.z, more);
+    c = kelpCrossFace(c, 3, g.f.w, g.slope.w, more);
+#ifdef CAGE_DEBUG
+    if (cage_debug && c.grown.x <= c.grown.y + 0.1f) printf("  tree cell %u.%d s %.6f %.6f grown %.6f %.6f turned %d entry %d exit %d f %g %g %g %g slope %g %g %g %g det %g\n", cell, number, from+c.s.x, from+c.s.y, from+c.grown.x, from+c.grown.y, g.turned, c.entry, c.exit, g.f.x, g.f.y, g.f.z, g.f.w, g.slope.x, g.slope.y, g.slope.z, g.slope.w, g.det);
+#endif
+    if (g.turned || !(c.grown.x <= c.grown.y && c.grown.y >= start)) continue;
+    bool from_inside = c.s.x > start && (c.entry == 0 || c.entry == 3) &&
                        kelpBeyond(KELP_CONTEXT at, g.axes, c.entry) == KELP_CAGE_INSIDE;
-    float s0 = max(c.s0, start);
-    if (from_inside && from + s0 < found.emerges) {
-      found.emerges = from + s0;
+    if (from_inside && from + c.s.x < found.emerges) {
+      found.emerges = from + c.s.x;
       found.from_cell = cell;
       found.from_tetrahedron = number;
       found.from_face = c.entry;
     }
-    if (!from_inside) found.first = min(found.first, from + s0);
-    vec2 range = vec2(s0, min(c.s1, found.hit.s - from));
+    // Where it is in the tetrahedron for a while, and does not just graze its corner.
+    vec4 speed = abs(g.slope);
+    float least = KELP_CAGE_SHORT * g.det / max(max(speed.x, speed.y), max(speed.z, speed.w));
+    if (!from_inside && ((c.s.x <= start && c.s.y > start) || c.grown.y - max(c.grown.x, start) > least))
+      found.first = min(found.first, from + max(c.s.x, start));
+    vec2 range = vec2(max(c.grown.x, start), min(c.grown.y, found.hit.s - from));
     if (!(range.x <= range.y)) continue;
-    bool enters = range.y == c.s1 && (c.exit == 0 || c.exit == 3) &&
+    bool enters = range.y == c.grown.y && (c.exit == 0 || c.exit == 3) &&
                   kelpBeyond(KELP_CONTEXT at, g.axes, c.exit) == KELP_CAGE_INSIDE;
     ++found.hit.clips;
     found.hit = kelpMarchTetrahedron(KELP_CONTEXT g, cell, from, range, enters ? c.exit : -1, found.hit);
