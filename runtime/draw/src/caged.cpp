@@ -5,16 +5,14 @@
 
 namespace kelp::draw {
 
-// Poses and bounds the parts of eight that have cages. From about where the coarsest is follows which are
-// drawn.
+// Poses and bounds the parts of eight that have cages. From where the finest is follows which are drawn.
 const Error* DrawList::boundCaged(const Frame& frame, std::size_t eight, std::size_t count) {
   unsigned caged = 0;
   for (std::size_t k = 0; k < count; ++k) {
     Candidate& candidate = block_[8 * eight + k];
     const Part& part = candidate.asset->packed[candidate.part];
     if (part.cages.empty()) continue;
-    const int coarsest = static_cast<int>(part.cages.size()) - 1;
-    if (const Error* const error = poseCages(eight, k, {coarsest, 1})) return error;
+    if (const Error* const error = poseCages(eight, k, {0, 1})) return error;
     caged |= static_cast<unsigned>(candidate.sound) << k;
   }
   if (caged == 0) return nullptr;
@@ -25,8 +23,9 @@ const Error* DrawList::boundCaged(const Frame& frame, std::size_t eight, std::si
   for (std::size_t k = 0; k < count; ++k) {
     if (!(caged >> k & 1)) continue;
     Candidate& candidate = block_[8 * eight + k];
+    candidate.level = judged.level.of[k];
     const bool one = frame.rays == Rays::kAny || frame.rings;
-    const CageChoice choice = CageChoice::of(candidate.asset->packed[candidate.part], judged.level.of[k],
+    const CageChoice choice = CageChoice::of(candidate.asset->packed[candidate.part], candidate.level,
                                              candidate.resident->finest, one);
     if (const Error* const error = poseCages(eight, k, choice)) return error;
     for (int i = 0; i < candidate.cages; ++i) {
@@ -63,7 +62,7 @@ const Error* DrawList::poseCages(std::size_t eight, std::size_t k, const CageCho
   return nullptr;
 }
 
-// Of the cages that are posed, those that draw a pixel at the level that was chosen.
+// Of the cages that are posed, those that draw a pixel at the level that is chosen.
 void DrawList::chooseCages(Candidate& candidate) {
   runtime::PosedCage(&posed)[2] = candidate.posed;
   candidate.detail =

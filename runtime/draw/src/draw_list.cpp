@@ -248,7 +248,7 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
     const bool is_seen = judged.seen >> k & 1;
     candidate.drawn = candidate.recorded = false;
     if (!candidate.sound) continue;
-    const Detail wanted = Detail::of(judged.level.of[k]);
+    const Detail wanted = Detail::of(candidate.cages > 0 ? candidate.level : judged.level.of[k]);
     if (placed_[eight].invertible >> k & 1)
       Residency::want(resident, wanted.level, std::min(judged.pixels.of[k], 1e4f));
     candidate.coarse = wanted.level < resident.finest;

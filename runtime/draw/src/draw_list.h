@@ -106,6 +106,7 @@ class DrawList {
     // Of a part with cages: which it is drawn through, how many (0: it has none), and these as they are
     // posed.
     int cage, cages;
+    float level;  // as Detail::of, by where its finest cage is
     runtime::PosedCage posed[2];
   };
   // The materials of an instance, which follow the records.

@@ -6,7 +6,6 @@
 
 #include "detail.h"
 #include "placing.h"
-#include "record_cage.h"
 #include "record_spline.h"
 
 namespace kelp::draw {
@@ -72,25 +71,10 @@ std::optional<int> levelAt(const View& view, const runtime::Instance& instance, 
     for (std::size_t i = 0; i < 8; ++i) setBounds(box, parts, i, placed);
     placeParts(*projection, parts, placed);
   };
-  int finest = 0, coarsest = of.levels - 1;
   if (!of.cages.empty()) {
-    CageChoice choice{static_cast<int>(of.cages.size()) - 1, 1};
-    for (const bool about : {true, false}) {
-      Box box;
-      for (int i = 0; i < choice.count; ++i) {
-        const auto posed = runtime::posedCage(instance, part, choice.first + i);
-        if (!posed) return std::nullopt;
-        box.add(posed->bounds.min);
-        box.add(posed->bounds.max);
-        if (i == 0) finest = posed->cage->first_level;
-        coarsest = posed->cage->last_level;
-      }
-      boundAll(box);
-      if (!about) continue;
-      JudgedParts judged;
-      judgeParts(*projection, view, Rays::kView, placed, judged);
-      choice = CageChoice::of(of, judged.level.of[0], 0, false);
-    }
+    const auto posed = runtime::posedCage(instance, part, 0);
+    if (!posed) return std::nullopt;
+    boundAll(posed->bounds);
   } else if (of.bend == Bend::kSweep) {
     boundAll(boxOfKnots(knots, of.size));
     JudgedParts judged;
@@ -106,7 +90,7 @@ std::optional<int> levelAt(const View& view, const runtime::Instance& instance, 
     placeParts(*projection, parts, placed);
   }
   if (!placed.invertible) return std::nullopt;
-  const Detail detail = servedDetail(detailAt(view, placed.pixels.of[0], of.levels), finest, coarsest);
+  const Detail detail = detailAt(view, placed.pixels.of[0], of.levels);
   return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);
 }
 
