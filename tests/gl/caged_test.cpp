@@ -72,7 +72,6 @@ TEST_P(CagedTest, ItsNodesBendItAsItsSplineDoes) {
     const std::vector<Pixel> expected = draw(*plain_renderer, view, instance, canvas);
     const std::vector<Pixel> by_spline = draw(*renderer, view, {with.asset.get()}, canvas);
     const Difference difference = differenceOf(expected, by_spline, canvas.size());
-    { FILE*o=fopen(("/tmp/e_pics/n"+std::to_string(i)+".raw").c_str(),"wb"); fwrite(expected.data(),4,expected.size(),o); fwrite(by_spline.data(),4,expected.size(),o); fclose(o); printf("pack %zu iou %f apart %d\n",i,difference.iou(),difference.apart);}
     EXPECT_GT(difference.covered, 2000);
     EXPECT_GT(difference.iou(), 0.99);
     EXPECT_LE(difference.apart, difference.covered / 100);
