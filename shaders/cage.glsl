@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Walks through caged parts from their boundary, after sweep.glsl, and what a hit of one is.
-// kelp/formats/cage.h says what a cage is and what its words mean; shaders/METHOD.md explains the
-// mathematics.
+// Walks through caged parts from their boundary, after sweep.glsl. kelp/formats/cage.h says what a cage is
+// and what its words mean; shaders/METHOD.md explains the mathematics.
 //
 // The text before defines, beside what trace.glsl and sweep.glsl ask for:
 //   KELP_CAGED             bool: the part has a cage
@@ -18,8 +17,9 @@
 
 #define KELP_MAX_TETRAHEDRA 4096  // of a walk: a guard against rounding
 #define KELP_CAGE_SLACK \
-  0.004f  // how much larger tetrahedra are taken where rounding would lose the ray, voxels
-#define KELP_CAGE_TRIES 9         // of a walk that leaves the cage close to an edge
+  0.004f                    // how much larger tetrahedra are taken where rounding would lose the ray, voxels
+#define KELP_CAGE_TRIES 9   // of a walk that leaves the cage close to an edge
+#define KELP_CAGE_TURNS 48  // tetrahedra around a node that a walk may visit
 #define KELP_CAGE_OUTSIDE 0xffffffffu
 #define KELP_CAGE_INSIDE 0xfffffffeu
 
@@ -209,8 +209,11 @@ KELP_FN KelpHit kelpMarchTetrahedron(KELP_CONTEXT_ KelpTetrahedron g, uint cell,
       if (leave.x == next) there.x = up.x ? face.x : face.x - 1.0f;
       if (leave.y == next) there.y = up.y ? face.y : face.y - 1.0f;
       if (leave.z == next) there.z = up.z ? face.z : face.z - 1.0f;
+      // Out of the cell: at the end, but for rounding. Or else the ray is in the cell's own face: it stays.
       vec3 in_cell = min(max(vec3(0.0f), there), last);
-      done = in_cell.x != there.x || in_cell.y != there.y || in_cell.z != there.z;
+      bvec3 out_of = bvec3(in_cell.x != there.x, in_cell.y != there.y, in_cell.z != there.z);
+      done = (out_of.x || out_of.y || out_of.z) && next > end - KELP_ERODE;
+      per = vec3(out_of.x ? 0.0f : per.x, out_of.y ? 0.0f : per.y, out_of.z ? 0.0f : per.z);
       there = in_cell;
     }
     going = !solid && !beyond && (!done || enters);
@@ -268,7 +271,7 @@ KELP_FN vec3 kelpNudged(KELP_CONTEXT_ uint face, vec3 o, int n) {
 // boundary face: from tetrahedron to tetrahedron, by the face that is exited first, never back by the one
 // just entered. `face` is its word in the list of boundary faces. o lies on it, and the ray enters there.
 // Inverted tetrahedra are crossed backwards and draw nothing. A walk that may go backwards later goes on
-// behind its first hit, because another may be nearer.
+// behind its first hit, because another may be nearer. Long: steps share the ray, the place and the faces.
 KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_min, float s_max) {
   KelpHit hit = kelpNoHit(s_max);
 #ifdef KELP_DISTANCES
@@ -282,6 +285,7 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
   vec3 from = o;
   float s = 0.0f;
   int tries = 1;
+  int turns = 0;  // steps without a way
   bool going = number < 6;
   while (going && hit.clips < KELP_MAX_TETRAHEDRA) {
     ++hit.clips;
@@ -290,16 +294,19 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
     float way = g.turned ? -1.0f : 1.0f;
     uint high = KELP_CAGE_WORD(at + 11u + uint(2 * g.axes.x));
     uint low = KELP_CAGE_WORD(at + 10u + uint(2 * g.axes.z));
-    // The faces towards which the ray goes, and when it is there. Beyond the boundary there is no way back, so
-    // it lies a little farther out.
+    // The faces towards which the ray goes, and when it is there. Beyond the boundary there is no way back,
+    // so it lies a little farther out.
     vec4 towards = -way * g.slope;
     float slack = g.det * (KELP_CAGE_SLACK / side);
     float f_0 = g.f.x + (high == KELP_CAGE_OUTSIDE ? slack : 0.0f);
     float f_3 = g.f.w + (low == KELP_CAGE_OUTSIDE ? slack : 0.0f);
-    float to_0 = entry != 0 && towards.x > 0.0f ? f_0 / towards.x : KELP_NEVER;
-    float to_1 = entry != 1 && towards.y > 0.0f ? g.f.y / towards.y : KELP_NEVER;
-    float to_2 = entry != 2 && towards.z > 0.0f ? g.f.z / towards.z : KELP_NEVER;
-    float to_3 = entry != 3 && towards.w > 0.0f ? f_3 / towards.w : KELP_NEVER;
+    // Those along which it goes, but for rounding, are not crossed.
+    vec4 speed = abs(g.slope);
+    float least = 1e-5f * max(max(speed.x, speed.y), max(speed.z, speed.w));
+    float to_0 = entry != 0 && towards.x > least ? f_0 / towards.x : KELP_NEVER;
+    float to_1 = entry != 1 && towards.y > least ? g.f.y / towards.y : KELP_NEVER;
+    float to_2 = entry != 2 && towards.z > least ? g.f.z / towards.z : KELP_NEVER;
+    float to_3 = entry != 3 && towards.w > least ? f_3 / towards.w : KELP_NEVER;
     float leave = min(min(to_0, to_1), min(to_2, to_3));
     int exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
     if (!(leave < KELP_NEVER)) {
@@ -308,14 +315,11 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
       to_1 = entry != 1 ? -towards.y : KELP_NEVER;
       to_2 = entry != 2 ? -towards.z : KELP_NEVER;
       to_3 = entry != 3 ? -towards.w : KELP_NEVER;
-      float least = min(min(to_0, to_1), min(to_2, to_3));
-      exit = to_0 == least ? 0 : (to_1 == least ? 1 : (to_2 == least ? 2 : 3));
+      leave = min(min(to_0, to_1), min(to_2, to_3));
+      exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
       leave = way * s;
     }
     float out_s = g.turned ? min(-leave, s) : max(leave, s);
-#ifdef CAGE_DEBUG
-    if (cage_debug) printf("  cell %u.%d entry %d exit %d s %.6f to %.6f turned %d f %g %g %g %g slope %g %g %g %g det %g high %x low %x to %g %g %g %g\n", cell, number, entry, exit, s, out_s, g.turned, g.f.x, g.f.y, g.f.z, g.f.w, g.slope.x, g.slope.y, g.slope.z, g.slope.w, g.det, high, low,to_0,to_1,to_2,to_3);
-#endif
 
     uint next = exit == 0 ? high : (exit == 3 ? low : cell);
     float reached = out_s;
@@ -326,16 +330,20 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
       if (hit.found && hit.s <= range.y) reached = hit.s;
     }
     going = reached < hit.s || (hit.s > fold.x && reached < fold.y);
-    // Out of the cage, close to another face than the one it leaves by?
-    vec4 there = g.f + out_s * g.slope;
+    // Out of the cage, close to another face than the one it leaves by? Or round an edge without end?
+    float more = exit == 0 ? (f_0 - g.f.x) / towards.x : (exit == 3 ? (f_3 - g.f.w) / towards.w : 0.0f);
+    vec4 there = g.f + (out_s - way * more) * g.slope;
     int touched = (there.x <= 2.0f * slack ? 1 : 0) + (there.y <= 2.0f * slack ? 1 : 0) +
                   (there.z <= 2.0f * slack ? 1 : 0) + (there.w <= 2.0f * slack ? 1 : 0);
-    bool again = going && !hit.found && next >= KELP_CAGE_INSIDE && touched > 1 && tries < KELP_CAGE_TRIES;
+    turns = out_s == s ? turns + 1 : 0;
+    bool lost = turns > KELP_CAGE_TURNS || (next >= KELP_CAGE_INSIDE && touched > 1);
+    bool again = going && !hit.found && lost && tries < KELP_CAGE_TRIES;
     going = going && (next < KELP_CAGE_INSIDE || again);
     s = again ? 0.0f : out_s;
     if (again) {
       from = kelpNudged(KELP_CONTEXT face, o, tries);
       ++tries;
+      turns = 0;
       cell = face >> 5u;
       number = int((face >> 2u) & 7u);
       entry = int(face & 3u);
@@ -350,65 +358,4 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
     }
   }
   return hit;
-}
-
-// The coordinates of a hit in its cell, 0 to 1.
-KELP_FN vec3 kelpPlaceInCell(KELP_CONTEXT_ KelpHit hit) {
-  uint place = KELP_CAGE_WORD(kelpCageCell(uint(hit.segment) >> 3u));
-  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
-  vec3 corner = vec3(float(place & 255u), float((place >> 8u) & 255u), float((place >> 16u) & 255u));
-  return clamp(hit.rest / side - corner, vec3(0.0f), vec3(1.0f));
-}
-// How far two nodes of an edge of a cell along `axis` are apart, in the mean of its four edges there, by
-// their coordinates across: those along the next axis and the one after it.
-KELP_FN vec3 kelpAlongCell(KELP_CONTEXT_ uint at, int axis, float v, float w) {
-  uint a = 1u << uint(axis);
-  uint b = axis == 2 ? 1u : 2u * a;
-  uint c = 7u - a - b;
-  uint n = at + 2u;
-  vec3 e0 = KELP_NODE(KELP_CAGE_WORD(n + a)) - KELP_NODE(KELP_CAGE_WORD(n));
-  vec3 eb = KELP_NODE(KELP_CAGE_WORD(n + a + b)) - KELP_NODE(KELP_CAGE_WORD(n + b));
-  vec3 ec = KELP_NODE(KELP_CAGE_WORD(n + a + c)) - KELP_NODE(KELP_CAGE_WORD(n + c));
-  vec3 e7 = KELP_NODE(KELP_CAGE_WORD(n + 7u)) - KELP_NODE(KELP_CAGE_WORD(n + b + c));
-  return mix(mix(e0, eb, v), mix(ec, e7, v), w);
-}
-// The same, gone over to the neighbor's towards the face that they share.
-KELP_FN vec3 kelpAcrossCells(KELP_CONTEXT_ uint at, int axis, float u, float v, float w) {
-  vec3 own = kelpAlongCell(KELP_CONTEXT at, axis, v, w);
-  uint beside = KELP_CAGE_WORD(at + 10u + uint(2 * axis + (u > 0.5f ? 1 : 0)));
-  if (beside >= KELP_CAGE_INSIDE) return own;
-  return mix(own, kelpAlongCell(KELP_CONTEXT kelpCageCell(beside), axis, v, w), abs(u - 0.5f));
-}
-// The normal in part space, up to length, of a surface whose normal at rest is n: n times the cofactors of
-// the map's derivative, which is blended between cells, so that no facets show.
-KELP_FN vec3 kelpCageNormal(KELP_CONTEXT_ KelpHit hit, vec3 n) {
-  uint at = kelpCageCell(uint(hit.segment) >> 3u);
-  vec3 f = kelpPlaceInCell(KELP_CONTEXT hit);
-  vec3 x = kelpAcrossCells(KELP_CONTEXT at, 0, f.x, f.y, f.z);
-  vec3 y = kelpAcrossCells(KELP_CONTEXT at, 1, f.y, f.z, f.x);
-  vec3 z = kelpAcrossCells(KELP_CONTEXT at, 2, f.z, f.x, f.y);
-  vec3 bent = cross(y, z) * n.x + cross(z, x) * n.y + cross(x, y) * n.z;
-  return dot(bent, bent) > 0.0f ? bent : n;
-}
-// The direction at rest, up to length, of a direction in part space.
-KELP_FN vec3 kelpCageRestDirection(KELP_CONTEXT_ KelpHit hit, vec3 r) {
-  uint at = kelpCageCell(uint(hit.segment) >> 3u);
-  KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, hit.segment & 7, vec3(0.0f), r);
-  return kelpCellPlace(g.axes, g.slope);
-}
-// The nodes of the hit's tetrahedron, and what share each has of the hit: where these nodes were in another
-// pose tells where the hit was.
-KELP_FN uvec4 kelpCageCorners(KELP_CONTEXT_ KelpHit hit) {
-  uint at = kelpCageCell(uint(hit.segment) >> 3u);
-  ivec3 axes = kelpTetrahedronAxes(hit.segment & 7);
-  return uvec4(KELP_CAGE_WORD(at + 2u), KELP_CAGE_WORD(at + 2u + (1u << uint(axes.x))),
-               KELP_CAGE_WORD(at + 9u - (1u << uint(axes.z))), KELP_CAGE_WORD(at + 9u));
-}
-KELP_FN vec4 kelpCageShares(KELP_CONTEXT_ KelpHit hit) {
-  vec3 f = kelpPlaceInCell(KELP_CONTEXT hit);
-  ivec3 axes = kelpTetrahedronAxes(hit.segment & 7);
-  float fa = axes.x == 0 ? f.x : (axes.x == 1 ? f.y : f.z);
-  float fb = axes.y == 0 ? f.x : (axes.y == 1 ? f.y : f.z);
-  float fc = axes.z == 0 ? f.x : (axes.z == 1 ? f.y : f.z);
-  return vec4(1.0f - fa, fa - fb, fb - fc, fc);
 }

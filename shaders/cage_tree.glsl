@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Rays through caged parts from anywhere, by the tree over their cells, after cage.glsl; and kelpTrace, for
-// parts of any kind.
+// Rays through caged parts from anywhere, by the tree over their cells, after cage.glsl; normals and motion
+// of hits; and kelpTrace, for parts of any kind.
 
 // The word of a cell that tells what is beyond a face of a tetrahedron, 0 or 3.
 KELP_FN uint kelpBeyond(KELP_CONTEXT_ uint at, ivec3 axes, int face) {
@@ -83,9 +83,6 @@ KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, vec3 o, vec3 r, ve
     c = kelpCrossFace(c, 1, g.f.y, g.slope.y, more);
     c = kelpCrossFace(c, 2, g.f.z, g.slope.z, more);
     c = kelpCrossFace(c, 3, g.f.w, g.slope.w, more);
-#ifdef CAGE_DEBUG
-    if (cage_debug && c.grown.x <= c.grown.y + 0.1f) printf("  tree cell %u.%d s %.6f %.6f grown %.6f %.6f turned %d entry %d exit %d f %g %g %g %g slope %g %g %g %g det %g\n", cell, number, from+c.s.x, from+c.s.y, from+c.grown.x, from+c.grown.y, g.turned, c.entry, c.exit, g.f.x, g.f.y, g.f.z, g.f.w, g.slope.x, g.slope.y, g.slope.z, g.slope.w, g.det);
-#endif
     if (g.turned || !(c.grown.x <= c.grown.y && c.grown.y >= start)) continue;
     bool from_inside = c.s.x > start && (c.entry == 0 || c.entry == 3) &&
                        kelpBeyond(KELP_CONTEXT at, g.axes, c.entry) == KELP_CAGE_INSIDE;
@@ -124,7 +121,10 @@ KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
   found.from_face = 0;
   vec3 fold_low = KELP_CAGE_FOLD_LOW;
   vec3 fold_high = KELP_CAGE_FOLD_HIGH;
-  if (fold_low.x <= fold_high.x) found.first = -KELP_NEVER;  // nothing can be said of the inside
+  vec3 begin = o + s_min * r;
+  vec3 beside = max(KELP_BOUNDS_MIN - begin, begin - KELP_BOUNDS_MAX);
+  // It cannot begin inside, or nothing can be said of that.
+  if (max(beside.x, max(beside.y, beside.z)) > 0.0f || fold_low.x <= fold_high.x) found.first = -KELP_NEVER;
   vec3 per = kelpPerDirection(r);
   int leaves = KELP_CAGE_LEAVES;
   uint cells = KELP_CAGE_WORD(0u);
@@ -181,6 +181,67 @@ KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
   hit.room = 0.0;
 #endif
   return hit;
+}
+
+// The coordinates of a hit in its cell, 0 to 1.
+KELP_FN vec3 kelpPlaceInCell(KELP_CONTEXT_ KelpHit hit) {
+  uint place = KELP_CAGE_WORD(kelpCageCell(uint(hit.segment) >> 3u));
+  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  vec3 corner = vec3(float(place & 255u), float((place >> 8u) & 255u), float((place >> 16u) & 255u));
+  return clamp(hit.rest / side - corner, vec3(0.0f), vec3(1.0f));
+}
+// How far two nodes of an edge of a cell along `axis` are apart, in the mean of its four edges there, by
+// their coordinates across: those along the next axis and the one after it.
+KELP_FN vec3 kelpAlongCell(KELP_CONTEXT_ uint at, int axis, float v, float w) {
+  uint a = 1u << uint(axis);
+  uint b = axis == 2 ? 1u : 2u * a;
+  uint c = 7u - a - b;
+  uint n = at + 2u;
+  vec3 e0 = KELP_NODE(KELP_CAGE_WORD(n + a)) - KELP_NODE(KELP_CAGE_WORD(n));
+  vec3 eb = KELP_NODE(KELP_CAGE_WORD(n + a + b)) - KELP_NODE(KELP_CAGE_WORD(n + b));
+  vec3 ec = KELP_NODE(KELP_CAGE_WORD(n + a + c)) - KELP_NODE(KELP_CAGE_WORD(n + c));
+  vec3 e7 = KELP_NODE(KELP_CAGE_WORD(n + 7u)) - KELP_NODE(KELP_CAGE_WORD(n + b + c));
+  return mix(mix(e0, eb, v), mix(ec, e7, v), w);
+}
+// The same, gone over to the neighbor's towards the face that they share.
+KELP_FN vec3 kelpAcrossCells(KELP_CONTEXT_ uint at, int axis, float u, float v, float w) {
+  vec3 own = kelpAlongCell(KELP_CONTEXT at, axis, v, w);
+  uint beside = KELP_CAGE_WORD(at + 10u + uint(2 * axis + (u > 0.5f ? 1 : 0)));
+  if (beside >= KELP_CAGE_INSIDE) return own;
+  return mix(own, kelpAlongCell(KELP_CONTEXT kelpCageCell(beside), axis, v, w), abs(u - 0.5f));
+}
+// The normal in part space, up to length, of a surface whose normal at rest is n: n times the cofactors of
+// the map's derivative, which is blended between cells, so that no facets show.
+KELP_FN vec3 kelpCageNormal(KELP_CONTEXT_ KelpHit hit, vec3 n) {
+  uint at = kelpCageCell(uint(hit.segment) >> 3u);
+  vec3 f = kelpPlaceInCell(KELP_CONTEXT hit);
+  vec3 x = kelpAcrossCells(KELP_CONTEXT at, 0, f.x, f.y, f.z);
+  vec3 y = kelpAcrossCells(KELP_CONTEXT at, 1, f.y, f.z, f.x);
+  vec3 z = kelpAcrossCells(KELP_CONTEXT at, 2, f.z, f.x, f.y);
+  vec3 bent = cross(y, z) * n.x + cross(z, x) * n.y + cross(x, y) * n.z;
+  return dot(bent, bent) > 0.0f ? bent : n;
+}
+// The direction at rest, up to length, of a direction in part space.
+KELP_FN vec3 kelpCageRestDirection(KELP_CONTEXT_ KelpHit hit, vec3 r) {
+  uint at = kelpCageCell(uint(hit.segment) >> 3u);
+  KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, hit.segment & 7, vec3(0.0f), r);
+  return kelpCellPlace(g.axes, g.slope);
+}
+// The nodes of the hit's tetrahedron, and what share each has of the hit: where these nodes were in another
+// pose tells where the hit was.
+KELP_FN uvec4 kelpCageCorners(KELP_CONTEXT_ KelpHit hit) {
+  uint at = kelpCageCell(uint(hit.segment) >> 3u);
+  ivec3 axes = kelpTetrahedronAxes(hit.segment & 7);
+  return uvec4(KELP_CAGE_WORD(at + 2u), KELP_CAGE_WORD(at + 2u + (1u << uint(axes.x))),
+               KELP_CAGE_WORD(at + 9u - (1u << uint(axes.z))), KELP_CAGE_WORD(at + 9u));
+}
+KELP_FN vec4 kelpCageShares(KELP_CONTEXT_ KelpHit hit) {
+  vec3 f = kelpPlaceInCell(KELP_CONTEXT hit);
+  ivec3 axes = kelpTetrahedronAxes(hit.segment & 7);
+  float fa = axes.x == 0 ? f.x : (axes.x == 1 ? f.y : f.z);
+  float fb = axes.y == 0 ? f.x : (axes.y == 1 ? f.y : f.z);
+  float fc = axes.z == 0 ? f.x : (axes.z == 1 ? f.y : f.z);
+  return vec4(1.0f - fa, fa - fb, fb - fc, fc);
 }
 
 // The first solid voxel along o + s r, s in [s_min, s_max]. r is a unit vector. The nearer o is to the

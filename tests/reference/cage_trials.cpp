@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <cstdio>
-#define CAGE_DEBUG
-static bool cage_debug = false;
-extern bool truth_debug;
 #include "reference/cage_trials.h"
 
 #include <algorithm>
@@ -90,7 +86,7 @@ class CageRayMaker {
       if (d[axis] != 0)
         back = std::min(back, (target[axis] - double{d[axis] > 0 ? box.min[axis] : box.max[axis]}) / d[axis]);
     }
-    back += 0.5;
+    back = std::max(back, 0.0) + 0.5;
     if (kind == 7) {
       // From far away, the direction rounded there; then moved to the bounds in double precision, as raycast
       // does.
@@ -275,7 +271,8 @@ CageTallies runCageTrial(const CagedVolume& volume, const CagePose& pose, int ra
   const float s_max = 2 * glm::length(posed.bounds().max - posed.bounds().min) + 2;
   CageRayMaker make(volume, posed, seed);
   for (int i = 0; i < rays; ++i) {
-    const int kind = i % kCageRayKinds;
+    // Where tetrahedra are inverted, nothing is known of the inside.
+    const int kinds = tallies.traced.inverted > 0 ? kCageRayKinds - 1 : kCageRayKinds, kind = i % kinds;
     const CageRay ray = make.make(kind);
     const glm::vec3 o(ray.o), r(ray.r);
     const Truth truth = posed.truth().truthOf(dvec3(o), dvec3(r), double{s_max});
@@ -284,27 +281,11 @@ CageTallies runCageTrial(const CagedVolume& volume, const CagePose& pose, int ra
                   volume.name.c_str(), pose.name.c_str(), seed, kind, double{o.x}, double{o.y}, double{o.z},
                   double{r.x}, double{r.y}, double{r.z});
     const trace::KelpHit hit = trace::kelpTraceCaged(posed.context(), o, r, 0.0f, s_max);
-    if (judge(truth, hit.found ? std::optional<double>(hit.s) : std::nullopt) != Verdict::kRight && tallies.traced.missed+tallies.traced.invented == 0 && getenv("CAGE_DEBUG") && tallies.walked.inverted == 0) {
-      printf("TREE %s\n owed %g traced s %g seg %d.%d\n", what, truth.owed.value_or(-1), hit.s, hit.segment >> 3, hit.segment & 7);
-      cage_debug = true;
-      truth_debug = true;
-      trace::kelpTraceCaged(posed.context(), o, r, 0.0f, s_max);
-      posed.truth().truthOf(dvec3(o), dvec3(r), double{s_max});
-      cage_debug = false;
-      truth_debug = false;
-    }
     judgeInto(tallies.traced, truth, hit, double{hit.s}, std::string(what) + ", traced");
     tallies.traced.inside += kind == 10 && hit.found && hit.s == 0;
     if (!ray.outside) continue;
     double s;
     const trace::KelpHit walked = walk(posed, o, r, s_max, s);
-    if (judge(truth, walked.found ? std::optional<double>(s) : std::nullopt) == Verdict::kMissed && tallies.walked.missed == 0 && getenv("CAGE_DEBUG") && tallies.walked.inverted == 0) {
-      printf("MISS %s\n owed %g traced s %g seg %d.%d\n", what, *truth.owed, hit.s, hit.segment >> 3, hit.segment & 7);
-      cage_debug = true;
-      for (const auto& st : posed.truth().starts(dvec3(o), dvec3(r), double{s_max})) printf(" start %g face %u.%u.%u\n", st.s, st.face >> 5, st.face >> 2 & 7, st.face & 3);
-      walk(posed, o, r, s_max, s);
-      cage_debug = false;
-    }
     judgeInto(tallies.walked, truth, walked, s, std::string(what) + ", walked");
   }
   return tallies;

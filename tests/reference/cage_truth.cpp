@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "reference/cage_truth.h"
 
-#include <cstdio>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
-bool truth_debug = false;
 namespace kelp::reference {
 namespace {
 
@@ -15,6 +13,7 @@ using glm::dvec3;
 using glm::ivec3;
 
 constexpr double kThick = 1e-4;     // of a tetrahedron's volume at rest
+constexpr double kMostVoxels = 16;  // along a cube
 constexpr std::size_t kGroup = 32;  // cubes
 
 // Where o + s r is in a ball, if it is for some s from 0 to s_max.
@@ -43,7 +42,8 @@ struct CageTruth::Line {
     std::vector<double> all{from, to};
     for (int a = 0; a < 3; ++a) {
       const double first = std::min(at(from)[a], at(to)[a]), last = std::max(at(from)[a], at(to)[a]);
-      for (double plane = std::ceil(first); plane <= last && dq[a] != 0; ++plane)
+      for (double plane = std::max(std::ceil(first), -1.0);
+           plane <= std::min(last, kMostVoxels + 1.0) && dq[a] != 0; ++plane)
         all.push_back(std::clamp((plane - q[a]) / dq[a], from, to));
     }
     std::sort(all.begin(), all.end());
@@ -257,7 +257,7 @@ void CageTruth::search(const Cube& cube, const Tetrahedron& t, const dvec3& o, c
   if (!t.thick) return;
   const Line exact = line(0, std::min(s_max, truth.owed.value_or(s_max)));
   if (exact.from < exact.to)
-    if (const auto s = firstOwed(cube, exact); s && (truth_debug ? printf("  owed %g in cell %d axes %d%d%d from %g to %g at %g %g %g corner %d %d %d\n", *s, cube.cell, t.axes[0],t.axes[1],t.axes[2], exact.from, exact.to, exact.at(*s).x, exact.at(*s).y, exact.at(*s).z, cube.corner.x,cube.corner.y,cube.corner.z):0, true) && (!truth.owed || *s < *truth.owed)) truth.owed = s;
+    if (const auto s = firstOwed(cube, exact); s && (!truth.owed || *s < *truth.owed)) truth.owed = s;
 }
 
 Truth CageTruth::truthOf(const dvec3& o, const dvec3& r, double s_max) const {
