@@ -26,6 +26,11 @@ inline constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write th
 // For a pack with a cage. kMisuse if a cage breaks a rule or a part lacks one; kOutOfMemory.
 Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out);
 
+// The lowest minor version of a pack that has these.
+constexpr std::uint16_t minorVersionOf(bool cages, bool joints, bool empty_parts) {
+  return cages ? 3 : joints ? 2 : empty_parts ? 1 : 0;
+}
+
 inline Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
 
 // Checks that the voxels of a level keep the rules of SPEC.md. kMisuse, with a text, if not.

@@ -288,8 +288,7 @@ class Writer {
     layout::store(head.span(), 12, kFormatMajor);
     const bool any_empty = std::any_of(pack_.parts.begin(), pack_.parts.end(),
                                        [](const RawPart& part) { return part.levels.empty(); });
-    const std::uint16_t minor = hasCages() ? 3 : !pack_.joints.empty() ? 2 : any_empty ? 1 : 0;
-    layout::store(head.span(), 14, minor);
+    layout::store(head.span(), 14, minorVersionOf(hasCages(), !pack_.joints.empty(), any_empty));
     layout::store(head.span(), 16, end);
     layout::store(head.span(), 24, static_cast<std::uint32_t>(chunk_count_));
     layout::store(head.span(), layout::kHeaderChecksum, checksum(head.span()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Writes a pack again with other rigs: new INFO, RIGS, CLIP and SOCK; all other chunks are copied.
+// Writes a pack again with other rigs: new INFO, RIGS, CLIP, SOCK and CAGE; all other chunks are copied.
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -61,7 +61,7 @@ class RigWriter {
     if (found.jnts != MetadataChunks::kNone)
       if (const Result<void> r = readTable(found.jnts, [&](Bytes b) { return parseJoints(b, parsed_); }); !r)
         return r;
-    if (found.cage != MetadataChunks::kNone)
+    if (found.cage != MetadataChunks::kNone && !rigs_.cages)
       if (const Result<void> r = readTable(found.cage, [&](Bytes b) { return parseCages(b, parsed_); }); !r)
         return r;
     if (found.fogs == MetadataChunks::kNone) {
@@ -80,8 +80,9 @@ class RigWriter {
   }
 
   Result<void> checkCounts() {
-    if (rigs_.parts.size() != parsed_.parts.size())
-      return Error{ErrorCode::kMisuse, "there is not a rig for each part"};
+    if (rigs_.parts.size() != parsed_.parts.size() ||
+        (rigs_.cages && rigs_.cages->size() != parsed_.parts.size()))
+      return Error{ErrorCode::kMisuse, "there is not a rig, or not a list of cages, for each part"};
     for (const RawRig& rig : rigs_.parts)
       if (rig.knots.size() > static_cast<std::size_t>(kMaxKnots))
         return Error{ErrorCode::kMisuse, "a part has more than 64 knots"};
@@ -129,10 +130,28 @@ class RigWriter {
       if (const Result<void> r = judged(parseClips(table.span(), parsed_)); !r) return r;
       if (!packBytes(table.span(), clips_)) return kNoMemory;
     }
-    if (pack.sockets.empty()) return {};
-    if (!buildSockets(pack, table)) return kNoMemory;
-    if (const Result<void> r = judged(parseSockets(table.span(), parsed_)); !r) return r;
-    return packBytes(table.span(), sockets_) ? Result<void>() : kNoMemory;
+    if (!pack.sockets.empty()) {
+      if (!buildSockets(pack, table)) return kNoMemory;
+      if (const Result<void> r = judged(parseSockets(table.span(), parsed_)); !r) return r;
+      if (!packBytes(table.span(), sockets_)) return kNoMemory;
+    }
+    return packCages(pack, table);
+  }
+
+  Result<void> packCages(RawPack& pack, Buffer<std::byte>& table) {
+    if (!rigs_.cages) return {};
+    for (std::size_t i = 0; i < pack.parts.size(); ++i) {
+      RawPart& part = pack.parts[i];
+      part.size = parsed_.parts[i].size;
+      part.levels.resize(static_cast<std::size_t>(parsed_.parts[i].levels));
+      part.cell = (*rigs_.cages)[i].cell;
+      part.cages = (*rigs_.cages)[i].cages;
+      has_new_cages_ = has_new_cages_ || !part.cages.empty();
+    }
+    if (!has_new_cages_) return {};
+    if (const Result<void> r = buildCages(pack, table); !r) return r;
+    if (const Result<void> r = judged(parseCages(table.span(), parsed_)); !r) return r;
+    return packBytes(table.span(), cages_) ? Result<void>() : kNoMemory;
   }
 
   void add(std::uint32_t fourcc, std::uint32_t flags, const Packed& own) {
@@ -146,20 +165,27 @@ class RigWriter {
   }
 
   Result<void> plan(const MetadataChunks& found) {
-    chunks_.reset(new (std::nothrow) ChunkOrigin[container_.chunks.size() + 3]);
+    chunks_.reset(new (std::nothrow) ChunkOrigin[container_.chunks.size() + 4]);
     if (!chunks_) return kNoMemory;
     if (!rigs_.info_json.empty()) add(layout::kInfo, 0, info_);
     for (std::size_t i = 0; i < container_.chunks.size(); ++i) {
-      if (i == found.info || i == found.clip || i == found.sock) continue;
+      if (i == found.info || i == found.clip || i == found.sock || (i == found.cage && rigs_.cages)) continue;
       if (i == found.rigs) {
         add(layout::kRigs, layout::kFlagRequired, knots_);
         if (!rigs_.clips.empty()) add(layout::kClip, 0, clips_);
         if (!rigs_.sockets.empty()) add(layout::kSock, 0, sockets_);
-        continue;
+      } else {
+        chunks_[count_].info = container_.chunks[i];
+        chunks_[count_++].from = container_.chunks[i].offset;
       }
-      chunks_[count_].info = container_.chunks[i];
-      chunks_[count_++].from = container_.chunks[i].offset;
+      const bool joints = found.jnts != MetadataChunks::kNone;
+      if (has_new_cages_ && i == (joints ? found.jnts : found.rigs)) add(layout::kCage, 0, cages_);
     }
+    minor_ = container_.minor;
+    if (rigs_.cages && minor_ <= kFormatMinor)
+      minor_ = minorVersionOf(has_new_cages_, found.jnts != MetadataChunks::kNone,
+                              std::any_of(parsed_.parts.begin(), parsed_.parts.end(),
+                                          [](const Part& part) { return part.kind == PartKind::kEmpty; }));
     return {};
   }
 
@@ -177,7 +203,7 @@ class RigWriter {
     }
     layout::store(head.span(), 0, layout::kIdentifier);
     layout::store(head.span(), 12, kFormatMajor);
-    layout::store(head.span(), 14, container_.minor);
+    layout::store(head.span(), 14, minor_);
     layout::store(head.span(), 16, end);
     layout::store(head.span(), 24, static_cast<std::uint32_t>(count_));
     layout::store(head.span(), layout::kHeaderChecksum, checksum(head.span()));
@@ -223,7 +249,9 @@ class RigWriter {
   const PackLimits& limits_;
   Container container_{Allocator()};
   Metadata parsed_{Allocator(), limits_.max_metadata_bytes};
-  Packed info_, knots_, clips_, sockets_;
+  Packed info_, knots_, clips_, sockets_, cages_;
+  bool has_new_cages_ = false;
+  std::uint16_t minor_ = 0;
   std::unique_ptr<ChunkOrigin[]> chunks_;
   std::size_t count_ = 0;
   Buffer<std::byte> block_;

@@ -106,7 +106,8 @@ class Unit(enum.IntEnum):
     PART = 1
     KNOT = 2
     INSTANCE = 3
-    NONE = 4
+    NODE = 4
+    NONE = 5
 
 
 class PartKind(enum.IntEnum):
@@ -382,6 +383,8 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "pose_get_parts": (_Handle, _p(c_int32)),
     "pose_fits": (_Handle, _Handle, _p(c_uint32)),
     "pose_get_knots": (_Handle, c_int32, c_void_p, c_uint32, _p(c_uint32)),
+    "pose_get_nodes": (_Handle, c_int32, _p(c_float), c_uint32, _p(c_uint32)),
+    "pose_write_nodes": (_Handle, c_int32, _p(_p(c_float)), _p(c_uint32)),
     "pose_set_knots": (_Handle, c_int32, c_void_p, c_uint32),
     "pose_move": (_Handle, c_int32, c_int32, _Floats),
     "pose_set_tangent": (_Handle, c_int32, c_int32, _Floats),
@@ -992,16 +995,33 @@ def _reader(source: Source) -> Callable[..., int]:
 # Poses, instances, springs --------------------------------------------------------------------------------
 
 
+class _Nodes:
+    """Memory of a pose: what an array of it refers to, so that the pose lives as long."""
+
+    def __init__(self, pose: Pose, address: int, count: int):
+        self.pose = pose
+        self.__array_interface__ = {"shape": (count, 3), "typestr": np.dtype(np.float32).str,
+                                    "data": (address, False), "version": 3}
+
+
 class Pose(_Object):
-    """Where the knots of every part of an asset are now; at rest when it is made."""
+    """Where the knots of every part of an asset are now, and the nodes of parts with cages. At rest when
+    made."""
 
     _kind = "pose"
 
     def __init__(self, asset: Asset):
         super().__init__()
         self.asset = asset
+        self._nodes: weakref.WeakSet[_Nodes] = weakref.WeakSet()
         _call("pose_create", _of(asset, Asset), None, byref(self._handle))
         self._made()
+
+    def close(self) -> None:
+        """As of every object. Error, Result.BUSY: an array of write_nodes() is alive, too."""
+        if len(self._nodes):
+            raise Error(Result.BUSY, "an array of the pose's nodes is alive")
+        super().close()
 
     def _change(self, name: str, *arguments: Any, read: Tuple[_Object, ...] = ()) -> None:
         with _using(*read, change=self):
@@ -1019,7 +1039,7 @@ class Pose(_Object):
         return parts.value
 
     def fits(self, asset: Asset) -> bool:
-        """It has as many parts and knots as the asset."""
+        """It has as many parts, knots and nodes as the asset."""
         fits = c_uint32()
         self._read("fits", _of(asset, Asset), byref(fits))
         return bool(fits.value)
@@ -1032,6 +1052,27 @@ class Pose(_Object):
         """Replaces positions and tangents as they are given: (n,) KNOT."""
         array = _records(knots, KNOT, 1, "knots")
         self._change("set_knots", part, array.ctypes.data, len(array))
+
+    def nodes(self, part: int) -> Array:
+        """Where the nodes of the part's finest cage are, a copy: (n, 3) voxels in part space. (0, 3) without
+        a cage."""
+        count = c_uint32()
+        self._read("get_nodes", part, None, 0, byref(count))
+        nodes = np.zeros((count.value, 3), np.float32)
+        self._read("get_nodes", part, _floats(nodes), count.value, byref(count))
+        return nodes
+
+    def write_nodes(self, part: int) -> Array:
+        """The same nodes, to write: (n, 3). From now on they are where you put them, and the knots no longer
+        move them, until reset(). Call it again before each round of writing: it tells the pose that nodes
+        change."""
+        first, count = _p(c_float)(), c_uint32()
+        self._change("write_nodes", part, byref(first), byref(count))
+        if not count.value:
+            return np.zeros((0, 3), np.float32)
+        memory = _Nodes(self, ctypes.addressof(first.contents), count.value)
+        self._nodes.add(memory)
+        return np.asarray(memory)
 
     def move(self, part: int, knot: int, offset: npt.ArrayLike) -> None:
         """Moves a knot, in heights of the part; automatic tangents follow."""

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "import_scratch.h"
+#include "support/all_tests.h"
 #include "vox_truth.h"
 
 namespace kelp::bake::test {
@@ -242,7 +243,7 @@ TEST(HostileVox, DeepAndManifold) {
   const Scratch scratch;
   VoxMaker deep;
   deep.box({2, 2, 2});
-  constexpr int kDepth = 200000;
+  constexpr int kDepth = kelp::test::shareOf(200000);
   for (int i = 0; i < kDepth; ++i) deep.transform(i, i + 1, {{}});
   deep.shape(kDepth, {{0, {}}});
   EXPECT_EQ(importFile(scratch.write("model.vox", deep.bytes()), {}).parts.size(), 1u);

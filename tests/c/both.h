@@ -17,6 +17,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "../formats/tiny_cage_pack.h"
 #include "../formats/tiny_distance_pack.h"
 #include "../formats/tiny_fog_pack.h"
 #include "kelp/kelp.h"
@@ -27,7 +28,7 @@
 namespace kelp::test {
 
 // The path of a small pack: "distance" has a sheared and a swept part, a clip with a wave and tracks,
-// sockets, joints and distances; "solid" has no distances; "fog" has fog.
+// sockets, joints and distances; "solid" has no distances; "fog" has fog; "cage" has cages.
 inline std::string packFile(const std::string& name) {
   static const Scratch scratch;
   static std::map<std::string, std::string> paths;  // each is made once
@@ -35,6 +36,7 @@ inline std::string packFile(const std::string& name) {
   if (path.empty()) {
     RawPack pack = name == "distance" ? makeTinyDistancePack()
                    : name == "fog"    ? makeTinyFogPack()
+                   : name == "cage"   ? makeTinyCagePack()
                                       : makeTinyPack();
     if (name == "distance") pack.joints = makeTinyJointPack().joints;
     path = scratch.write(name + ".kelp", std::span<const std::byte>(writeToMemory(pack))).string();

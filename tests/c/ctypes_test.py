@@ -5,6 +5,7 @@ Opens a pack, poses it, asks where it is, and draws it off-screen, by kelp.py al
 geometry of the column of pack_file.cpp says. Skips the drawing, and says so, where there is no EGL without a
 surface."""
 
+import gc
 import math
 import os
 import struct
@@ -23,6 +24,7 @@ except ImportError as absent:
     sys.exit(0)
 
 PACK, SAMPLE, OUT = sys.argv[1], sys.argv[2], sys.argv[3] if len(sys.argv) > 3 else None
+CAGED = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../formats/golden/cage.kelp")
 SIDE = 128
 SKY = (51, 102, 153, 255)
 
@@ -166,6 +168,39 @@ class Poses(Column):
                          (caught.exception.code, caught.exception.offset, caught.exception.unit))
         self.pose.clamp()
         self.pose.check()
+
+    def test_nodes(self):
+        self.assertEqual((0, 3), self.pose.nodes(0).shape)
+        self.assertEqual((0, 3), self.pose.write_nodes(0).shape)
+        with kelp.Asset(CAGED) as asset:
+            comb, pose = asset.find_part("comb"), kelp.Pose(asset)
+            rest = pose.nodes(comb)
+            self.assertEqual((np.float32, 2, 3), (rest.dtype, rest.ndim, rest.shape[1]))
+            nodes = pose.write_nodes(comb)
+            self.near(nodes, rest, 0)
+            nodes[:, 0] += 5
+            self.near(pose.nodes(comb), rest + (5, 0, 0), 0)
+            pose.check()
+            pose.write_nodes(comb)[1, 2] = math.nan
+            with self.assertRaises(kelp.Error) as caught:
+                pose.check()
+            self.assertEqual((kelp.Result.MISUSE, comb, kelp.Unit.PART),
+                             (caught.exception.code, caught.exception.offset, caught.exception.unit))
+            pose.reset()
+            self.near(nodes, pose.nodes(comb), 0)
+            with self.assertRaises(kelp.Error) as caught:
+                pose.close()  # the array needs it
+            self.assertEqual(kelp.Result.BUSY, caught.exception.code)
+            part = nodes[1:3]
+            del nodes, caught
+            gc.collect()
+            self.near(part, rest[1:3], 0)
+            del part
+            gc.collect()
+            pose.close()
+            array = kelp.Pose(asset).write_nodes(comb)  # keeps the pose
+            gc.collect()
+            self.near(array, rest, 0)
 
     def test_blend(self):
         self.bend()

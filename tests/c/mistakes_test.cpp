@@ -327,6 +327,13 @@ std::vector<Row> poses() {
       {"knots that are not finite", drawn([](Host& host) {
          host.pose.move(0, 1, {kNan, 0, 0}).value();
        })},
+      {"nodes of a cage that are not finite",
+       [] {
+         const auto asset = std::move(Asset::open(packFile("cage").c_str())).value();
+         Pose pose = Pose::create(*asset).value();
+         pose.nodes(2)[0].x = kNan;
+         return answersOf(pose.check());
+       }},
       {"a motion that is not finite", drawn([](Host& host) { host.pose.motion(0)->translation.x = kNan; })},
       {"a clip at a time that is not finite",
        [] {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Poses and springs move in C as in C++.
+#include <limits>
+#include <utility>
+
 #include "both.h"
 
 namespace kelp::test {
@@ -51,6 +54,50 @@ TEST(CPose, MovesAsInCpp) {
   poses.expectEqual();
   BothPoses foreign(fog);
   EXPECT_KELP(KELP_ERROR_MISUSE, kelp_pose_assign(poses.c, foreign.c));
+}
+
+TEST(CPose, NodesAreReadAndWritten) {
+  constexpr int kComb = 2;
+  const BothAssets assets(packFile("cage"));
+  BothPoses poses(assets), others(assets);
+  const std::span<const glm::vec3> rest = std::as_const(others.cpp).nodes(kComb);
+  std::vector<glm::vec3> read(rest.size() + 1, glm::vec3(-7));
+  std::uint32_t count = 0;
+  ASSERT_KELP(kelp_pose_get_nodes(poses.c, kComb, nullptr, 0, &count));
+  ASSERT_EQ(rest.size(), count);
+  ASSERT_KELP(kelp_pose_get_nodes(poses.c, kComb, &read[0].x, count - 1, &count));
+  EXPECT_EQ(read[count - 1], glm::vec3(-7)) << "more was written than there is room for";
+  ASSERT_KELP(kelp_pose_get_nodes(poses.c, kComb, &read[0].x, count, &count));
+  EXPECT_TRUE(std::equal(rest.begin(), rest.end(), read.begin()));
+  float* nodes = nullptr;
+  ASSERT_KELP(kelp_pose_write_nodes(poses.c, kComb, &nodes, &count));
+  ASSERT_EQ(rest.size(), count);
+  EXPECT_TRUE(std::equal(rest.begin(), rest.end(), reinterpret_cast<const glm::vec3*>(nodes)));
+  nodes[3] = 100;
+  ASSERT_KELP(kelp_pose_get_nodes(poses.c, kComb, &read[0].x, count, &count));
+  EXPECT_EQ(read[1].x, 100);
+  ASSERT_KELP(kelp_pose_check(poses.c));
+  nodes[5] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_KELP(KELP_ERROR_MISUSE, kelp_pose_check(poses.c));
+  EXPECT_EQ(kelp_unit{KELP_UNIT_PART}, lastError().unit);
+  ASSERT_KELP(kelp_pose_clamp(poses.c));
+  ASSERT_KELP(kelp_pose_check(poses.c));
+  ASSERT_KELP(kelp_pose_reset(poses.c));
+  EXPECT_EQ(nodes[3], rest[1].x) << "the pointer stays valid";
+  for (const std::int32_t part : {-1, 9}) {
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_pose_get_nodes(poses.c, part, nullptr, 0, &count));
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_pose_write_nodes(poses.c, part, &nodes, &count));
+  }
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_pose_get_nodes(poses.c, kComb, nullptr, 1, &count));
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_pose_get_nodes(poses.c, kComb, nullptr, 0, nullptr));
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_pose_write_nodes(poses.c, kComb, nullptr, &count));
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_pose_write_nodes(poses.c, kComb, &nodes, nullptr));
+  const BothAssets plain(packFile("distance"));
+  BothPoses uncaged(plain);
+  ASSERT_KELP(kelp_pose_get_nodes(uncaged.c, 0, nullptr, 0, &count));
+  EXPECT_EQ(count, 0u);
+  ASSERT_KELP(kelp_pose_write_nodes(uncaged.c, 0, &nodes, &count));
+  EXPECT_EQ(nodes, nullptr);
 }
 
 TEST(CPose, KnotsAreSetCheckedAndClamped) {

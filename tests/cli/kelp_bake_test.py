@@ -13,7 +13,7 @@ import subprocess
 import tempfile
 import unittest
 
-from kelp_bake_case import KELP_BAKE, SANITIZED, lump
+from kelp_bake_case import KELP_BAKE, SANITIZED, box, lump
 
 CUBE = """v 0 0 0
 v 1 0 0
@@ -220,7 +220,8 @@ class KelpBake(unittest.TestCase):
         self.fails(1, self.cube, "-o", self.out, "--bend", "twist",
                    says=["--bend twist", "shear, sweep or cage"])
         for cell in ("0", "1", "3", "32", "-8", "2147483648", "eight"):
-            self.fails(1, self.cube, "-o", self.out, "--bend", "cage", "--cell", cell, says=["--cell " + cell])
+            self.fails(1, self.cube, "-o", self.out, "--bend", "cage", "--cell", cell,
+                       says=["--cell " + cell])
         for size in ("lots", "0", "-1", "nan", "inf", "-4G", "1e300G", "4X", "NaNG"):
             self.fails(1, self.cube, "-o", self.out, "--max-memory", size, says=["--max-memory " + size])
         for number in (
@@ -280,7 +281,8 @@ class KelpBake(unittest.TestCase):
         self.fails(1, self.cube, "-o", self.out, "--cell", "4", says=["--cell 4", "--bend cage"])
         self.fails(1, self.cube, "-o", self.out, "--bend", "cage", "--cell", "2", "--resolution", "513",
                    says=["513 voxels", "256 cells of --cell 2", "--cell 4 fits"])
-        self.fails(1, self.cube, "-o", self.out, "--bend", "cage", "--resolution", "4097",
+        needle = self.write("needle.obj", box(1, 100, 1))
+        self.fails(1, needle, "-o", self.out, "--bend", "cage", "--resolution", "4097",
                    says=["--cell 8", "--resolution of at most 4096"])
         # The cube is half as wide as it is tall.
         turns = '{"kelp": 1, "bend": "sweep", "knots": [{"at": 0}, {"at": 1, "tangent": [9, -9, 0]}]}'

@@ -41,7 +41,7 @@ REAL = [
     ("gltf/assimp/2CylinderEngine.glb", [], 0, 128),  # a hundred thousand triangles, bodies within bodies
     ("gltf/meshopt/pirate.glb", ["--rig", "sway"], 48, 128),  # compressed, a rig
     ("gltf/pmndrs/bunny.glb", [], 32, 96),  # Draco
-    ("mesh/common3d/stanford-bunny.obj", [], 48, 160),  # a body with holes, capped
+    ("mesh/common3d/stanford-bunny.obj", ["--bend", "cage"], 48, 160),  # a body with holes, capped
     ("mesh/common3d/teapot.obj", ["--fill", "surface"], 48, 128),
     ("mesh/assimp/OBJ/spider.obj", [], 32, 128),  # materials of a library, pictures
     ("mesh/stanford/dragon_vrip_res3.ply", [], 48, 160),
@@ -142,7 +142,7 @@ def write_made(folder):
         "buffers": [{"uri": "nodes.bin", "byteLength": offset}]}
     with open(path("nodes.gltf"), "w") as file:
         json.dump(gltf, file)
-    return [(path("holes.obj"), ["--rig", "sway"], 64, 160),
+    return [(path("holes.obj"), ["--rig", "sway", "--bend", "cage", "--cell", "4"], 64, 160),
             (path("colors.ply"), [], 64, 160),
             (path("ring.stl"), ["--axis", "-x", "--rig", "swim"], 64, 160),
             (path("nodes.gltf"), ["--parts", "nodes"], 48, 96)]

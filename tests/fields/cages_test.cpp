@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include <glm/common.hpp>
+
 #include "kelp/fields/fields.h"
 #include "kelp/formats/brick.h"
 #include "volumes.h"
@@ -27,9 +29,10 @@ struct TrueCage {
   std::vector<int> piece;                            // of each voxel; -1: empty
   std::map<int, int> pieces;                         // of each cube with solid
   std::set<std::pair<CellName, CellName>> touching;  // both ways
-  std::set<std::pair<CellName, CellName>> holds;     // finer cells
+  std::map<CellName, std::set<CellName>> holds;      // finer cells
   std::set<int> inside;
   std::vector<CellName> cells;  // in Morton order
+  std::map<CellName, std::uint32_t> numbers;
   RawCage raw;
 
   int cubeAt(const glm::ivec3& at) const { return at.x + grid.x * (at.y + grid.y * at.z); }
@@ -89,8 +92,8 @@ void fillPieces(const fields::Occupancy& solid, const TrueCage* finer, TrueCage&
   for (std::size_t i = 0; finer && i < solid.solid.size(); ++i) {
     const glm::ivec3 v = voxelAt(i, solid.size);
     if (solid.solid[i])
-      cage.holds.insert(
-          {{cage.cubeAt(v / cage.side), cage.piece[i]}, {finer->cubeAt(v / finer->side), finer->piece[i]}});
+      cage.holds[{cage.cubeAt(v / cage.side), cage.piece[i]}].insert(
+          {finer->cubeAt(v / finer->side), finer->piece[i]});
   }
 }
 
@@ -140,18 +143,19 @@ void writeMasks(const fields::Occupancy& solid, TrueCage& cage) {
 // The finer cell that a node with these corners follows.
 std::uint32_t followOf(const TrueCage& cage, const TrueCage& finer, const glm::ivec3& point,
                        const std::vector<CellName>& corners) {
-  std::pair<int, std::uint32_t> best{INT32_MAX, 0}, any = best;
-  for (std::uint32_t n = 0; n < finer.cells.size(); ++n) {
-    const glm::ivec3 low = finer.side * finer.placeOf(finer.cells[n].first);
+  std::pair<int, std::uint32_t> best{INT32_MAX, 0};
+  const auto consider = [&](const CellName& cell) {
+    const auto number = finer.numbers.find(cell);
+    if (number == finer.numbers.end()) return;  // inside
+    const glm::ivec3 low = finer.side * finer.placeOf(cell.first);
     const glm::ivec3 gap = point * cage.side - glm::clamp(point * cage.side, low, low + finer.side);
-    const std::pair<int, std::uint32_t> its{gap.x * gap.x + gap.y * gap.y + gap.z * gap.z, n};
-    any = std::min(any, its);
-    if (std::any_of(corners.begin(), corners.end(), [&](const CellName& c) {
-          return cage.holds.count({c, finer.cells[n]}) != 0;
-        }))
-      best = std::min(best, its);
-  }
-  return best.first == INT32_MAX ? any.second : best.second;
+    best = std::min(best, {gap.x * gap.x + gap.y * gap.y + gap.z * gap.z, number->second});
+  };
+  for (const CellName& corner : corners)
+    for (const CellName& cell : cage.holds.at(corner)) consider(cell);
+  if (best.first == INT32_MAX)
+    for (const auto& [cell, number] : finer.numbers) consider(cell);
+  return best.second;
 }
 
 void findNodes(const TrueCage* finer, TrueCage& cage) {
@@ -215,7 +219,10 @@ TrueCage trueCage(const fields::Occupancy& solid, int cell, int number, const Tr
   }
   std::sort(order.begin(), order.end());
   for (const auto& [code, c] : order)
-    for (int p = 0; p < cage.pieces[c]; ++p) cage.cells.emplace_back(c, p);
+    for (int p = 0; p < cage.pieces[c]; ++p) {
+      cage.numbers[{c, p}] = static_cast<std::uint32_t>(cage.cells.size());
+      cage.cells.emplace_back(c, p);
+    }
   writeMasks(solid, cage);
   findNodes(finer, cage);
   return cage;

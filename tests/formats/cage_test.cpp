@@ -9,10 +9,6 @@
 #include <random>
 #include <set>
 
-#include "kelp/formats/verify.h"
-#include "pack_compare.h"
-#include "support/random_pack.h"
-#include "support/short_memory.h"
 #include "tiny_cage_pack.h"
 
 namespace kelp {
@@ -275,102 +271,41 @@ TEST(Cage, LimitsAreKept) {
   EXPECT_EQ(large.error().code, ErrorCode::kCorrupt);
 }
 
-// Random solids, on several levels.
-RawPack makeRandomCagePack(std::uint32_t seed) {
-  RawPack pack = test::makeTinyPack();
-  std::mt19937 random(seed);
-  for (int i = 0; i < 2; ++i) {
-    const glm::ivec3 size(5 + random() % 14, 5 + random() % 14, 5 + random() % 14);
-    const std::uint32_t share = 2 + random() % 8, salt = random();
-    const IsSolid solid = [=](const glm::ivec3& v) {
-      const auto hash =
-          static_cast<std::uint32_t>(v.x * 73856093 ^ v.y * 19349663 ^ v.z * 83492791) * 2654435769u;
-      return test::isInBox(v, {0, 0, 0}, size) && (v == glm::ivec3(0) || (hash ^ salt) % 10007 % 10 < share);
-    };
-    pack.parts.push_back(
-        test::makeCagedPart(size, 1 + static_cast<int>(random() % 4), 2 << random() % 4, solid));
-  }
-  return pack;
-}
-
-TEST(Cage, ComesBackExactly) {
-  for (std::uint32_t seed = 0; seed < 8; ++seed) {
-    SCOPED_TRACE(seed);
-    const RawPack raw = makeRandomCagePack(seed);
-    const std::vector<std::byte> bytes = test::writeToMemory(raw);
-    MemorySource memory(bytes);
-    const Result<Pack> pack = Pack::open(memory.source());
-    ASSERT_TRUE(pack) << pack.error().detail;
-    EXPECT_EQ(pack->minorVersion(), 3);
-    const test::Comparison result = test::compare(*pack, raw);
-    ASSERT_TRUE(result.status) << result.status.error().detail;
-    EXPECT_TRUE(result.equal);
-    EXPECT_EQ(verify(memory.source(), {}, nullptr, nullptr), 0u);
-    for (const Part& part : pack->parts()) {
-      for (int level = 0; !part.cages.empty() && level < part.levels; ++level) {
-        const Cage& cage = part.cageOf(level);
-        EXPECT_LE(cage.first_level, level);
-        EXPECT_GE(cage.last_level, level);
-      }
-    }
-  }
-}
-
-TEST(Cage, TheWriterRefusesWrongOnes) {
-  const RawPack sound = test::makeTinyCagePack();
-  const auto refuses = [&](auto spoil) {
-    RawPack pack = sound;
-    spoil(pack.parts[2]);
-    std::vector<std::byte> bytes;
-    const Result<void> written = writePack(pack, Sink::into(bytes));
-    EXPECT_TRUE(bytes.empty());
-    return !written && written.error().code == ErrorCode::kMisuse;
+// Each would be accepted if its own rule were not checked.
+TEST(Cage, WrongSourcesAreRefused) {
+  const auto refuses = [](const RawCage& raw, const glm::ivec3& size, int cell, const Cage* finer = nullptr) {
+    MadeCage made;
+    const Result<Cage> cage =
+        makeCage(raw.source(), size, finer ? 2 : 1, cell, finer ? 1 : 0, finer, kAnyMemory, made.memory);
+    return !cage && cage.error().code == ErrorCode::kCorrupt;
   };
-  EXPECT_TRUE(refuses([](RawPart& part) { part.cell = 3; }));
-  EXPECT_TRUE(refuses([](RawPart& part) { part.cell = 0; }));
-  EXPECT_TRUE(refuses([](RawPart& part) { part.cell = 8; }));
-  EXPECT_TRUE(refuses([](RawPart& part) { part.cages.pop_back(); }));
-  EXPECT_TRUE(refuses([](RawPart& part) { part.cages[0].blocks.pop_back(); }));
-  EXPECT_TRUE(refuses([](RawPart& part) { part.cages[1].masks.pop_back(); }));
-  EXPECT_TRUE(refuses([](RawPart& part) { part.cages[0].splits.push_back(0); }));
-  EXPECT_TRUE(refuses([](RawPart& part) { part.cages[1].follows.pop_back(); }));
-  EXPECT_TRUE(refuses([](RawPart& part) { part.cages[0].follows.push_back(0); }));
-  EXPECT_TRUE(refuses([](RawPart& part) { part.levels.clear(); }));
-}
-
-// The limits on metadata bound cages too, and what making them takes.
-TEST(Cage, MemoryIsBounded) {
-  const glm::ivec3 size(40);
-  const IsSolid solid = [&](const glm::ivec3& v) { return test::isInBox(v, {0, 0, 0}, size); };
-  RawPack raw = test::makeTinyPack();
-  raw.parts[0] = test::makeCagedPart(size, 1, 2, solid);
-  raw.clips.clear();
-  const std::vector<std::byte> bytes = test::writeToMemory(raw);
-  MemorySource source(bytes);
-  bool opened = false;
-  int refused = 0;
-  for (std::uint64_t most = 10000; !opened; most += most / 8, ++refused) {
-    PackLimits limits;
-    limits.max_metadata_bytes = most;
-    test::ShortMemory memory;
-    const Result<Pack> pack = Pack::open(source.source(), limits, memory.allocator());
-    opened = static_cast<bool>(pack);
-    EXPECT_TRUE(opened || pack.error().code == ErrorCode::kLimit);
-    EXPECT_LE(memory.peak_bytes, 2 * most + 2 * bytes.size() + (std::uint64_t{1} << 18));
+  RawCage block;
+  block.blocks.assign(125, 1);
+  block.blocks[62] = kInsideBlock;
+  EXPECT_FALSE(refuses(block, glm::ivec3(10), 2));
+  for (int i = 0; i < 125; ++i) {
+    RawCage hole = block;
+    hole.blocks[static_cast<std::size_t>(i)] = 0;
+    const glm::ivec3 off = glm::abs(glm::ivec3(i % 5, i / 5 % 5, i / 25) - 2);
+    EXPECT_EQ(refuses(hole, glm::ivec3(10), 2), i != 62 && std::max({off.x, off.y, off.z}) <= 1) << i;
+    RawCage edge = block;
+    edge.blocks[static_cast<std::size_t>(i)] = kInsideBlock;
+    EXPECT_EQ(refuses(edge, glm::ivec3(10), 2), std::max({off.x, off.y, off.z}) == 2) << i;
   }
-  EXPECT_GT(refused, 8);
-}
-
-TEST(Cage, OtherRigsLeaveItAsItIs) {
-  const RawPack raw = test::makeTinyCagePack();
-  const std::vector<std::byte> bytes = test::writeToMemory(raw);
-  RawRigs rigs{raw.info_json, {}, raw.clips, raw.sockets};
-  for (const RawPart& part : raw.parts)
-    rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at, part.bend, part.roll});
-  MemorySource source(bytes);
-  std::vector<std::byte> again;
-  ASSERT_TRUE(writeRigs(source.source(), rigs, Sink::into(again)));
-  EXPECT_EQ(again, bytes);
+  const auto split = [](std::vector<std::uint8_t> numbers) {
+    return RawCage{{2}, {1, 128}, {0}, std::move(numbers), {}};
+  };
+  EXPECT_FALSE(refuses(split({0, 1}), glm::ivec3(2), 2));
+  for (const std::vector<std::uint8_t>& numbers :
+       {std::vector<std::uint8_t>{0, 0}, {1, 0}, {1, 2}, {0, 2}, {0}, {0, 1, 0}})
+    EXPECT_TRUE(refuses(split(numbers), glm::ivec3(2), 2));
+  MadeCage finer;
+  finer.cage = *makeCage(NaiveCage({8, 8, 8}, 4, 0, test::isBlock).raw.source(), {8, 8, 8}, 2, 4, 0, nullptr,
+                         kAnyMemory, finer.memory);
+  RawCage coarser{{1}, {}, {}, {}, {0, 1, 2, 3, 4, 5, 6, 7}};
+  EXPECT_FALSE(refuses(coarser, {8, 8, 8}, 4, &finer.cage));
+  coarser.follows[7] = 8;
+  EXPECT_TRUE(refuses(coarser, {8, 8, 8}, 4, &finer.cage));
 }
 
 }  // namespace

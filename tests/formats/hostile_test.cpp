@@ -10,6 +10,7 @@
 #include "kelp/formats/verify.h"
 #include "lying_pack.h"
 #include "support/short_memory.h"
+#include "tiny_cage_pack.h"
 #include "tiny_fog_pack.h"
 
 namespace kelp {
@@ -210,6 +211,7 @@ TEST(Hostile, EveryFailedAllocationIsReportedAndNothingLeaks) {
   expectFailedAllocationsReported(test::makeTinyPack());
   expectFailedAllocationsReported(test::makeTinyFogPack());
   expectFailedAllocationsReported(test::makeTinyJointPack());
+  expectFailedAllocationsReported(test::makeTinyCagePack());
 }
 
 TEST(Hostile, AllocatorsLackNothing) {

@@ -12,6 +12,7 @@
 #include "kelp/runtime/level.h"
 #include "kelp/streaming/page_access.h"
 #include "page_codec.h"
+#include "support/all_tests.h"
 #include "support/test_pack.h"
 
 namespace kelp::runtime {
@@ -117,7 +118,7 @@ TEST(ManyPages, TheMostUrgentComesNext) {
     std::uint32_t round = 0;
     bool resident = false;
   };
-  const Bytes bytes = onePagePerBrick(16);
+  const Bytes bytes = onePagePerBrick(test::kSanitized ? 8 : 16);
   Recorder recorder(bytes);
   auto opened = Asset::open(recorder.source());
   ASSERT_TRUE(opened);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/runtime/pose.h"
 
+#include <algorithm>
+
 #include "kelp/c/pose.h"
 #include "objects.h"
 
@@ -108,6 +110,29 @@ kelp_result kelp_pose_set_motion(kelp_pose pose, int32_t part, const kelp_motion
     kelp::runtime::Motion* const to = of.motion(part);
     if (!to) return misuse(kNoPart);
     *to = {vec3(motion->translation), quatAt(motion->rotation), vec3(motion->scale), motion->roll};
+    return kelp_result{KELP_OK};
+  });
+}
+
+kelp_result kelp_pose_get_nodes(kelp_pose pose, int32_t part, float* nodes, uint32_t capacity,
+                                uint32_t* count) {
+  return withPose(pose, [=](const Pose& of) {
+    if (!count || (!nodes && capacity > 0)) return nullPointer();
+    if (part < 0 || part >= of.parts()) return misuse(kNoPart);
+    const std::span<const glm::vec3> all = of.nodes(part);
+    *count = static_cast<uint32_t>(all.size());
+    for (std::size_t i = 0; i < std::min<std::size_t>(capacity, all.size()); ++i) put(all[i], nodes + 3 * i);
+    return kelp_result{KELP_OK};
+  });
+}
+
+kelp_result kelp_pose_write_nodes(kelp_pose pose, int32_t part, float** nodes, uint32_t* count) {
+  return withPose(pose, [=](Pose& of) {
+    if (!nodes || !count) return nullPointer();
+    if (part < 0 || part >= of.parts()) return misuse(kNoPart);
+    const std::span<glm::vec3> all = of.nodes(part);
+    *nodes = all.empty() ? nullptr : &all[0].x;
+    *count = static_cast<uint32_t>(all.size());
     return kelp_result{KELP_OK};
   });
 }

@@ -119,19 +119,20 @@ void boundCells(const Cage& cage, CageInPose& posed) {
                   four.upright[5]))
       addInverted(four, lanes, posed);
     // Lanes 0 and 2 get the boxes of cells 0 and 1, 2 and 3.
-    const auto ofBoth = [](Lanes of, auto pick) { return pick(of, of.rotated()); };
-    const auto least = [](Lanes a, Lanes b) { return min(a, b); };
-    const auto most = [](Lanes a, Lanes b) { return max(a, b); };
-    alignas(16) float sides[6][4];
-    ofBoth(four.low.x, least).store(sides[0]);
-    ofBoth(four.low.y, least).store(sides[1]);
-    ofBoth(four.low.z, least).store(sides[2]);
-    ofBoth(four.high.x, most).store(sides[3]);
-    ofBoth(four.high.y, most).store(sides[4]);
-    ofBoth(four.high.z, most).store(sides[5]);
-    for (int lane = 0; lane < 4 && next < posed.leaves; lane += 2, ++next)
-      leaf[next] = {{sides[0][lane], sides[1][lane], sides[2][lane]},
-                    {sides[3][lane], sides[4][lane], sides[5][lane]}};
+    const auto least = [](Lanes of) { return min(of, of.rotated()); };
+    const auto most = [](Lanes of) { return max(of, of.rotated()); };
+    Lanes low_x = least(four.low.x), low_y = least(four.low.y), low_z = least(four.low.z),
+          high_x = most(four.high.x), high_y = most(four.high.y), high_z = most(four.high.z), z = low_z,
+          x = high_x;
+    // Now each is a box's first four numbers, or its last four.
+    transpose(low_x, low_y, low_z, high_x);
+    transpose(z, x, high_y, high_z);
+    const Lanes firsts[] = {low_x, low_z}, lasts[] = {z, high_y};
+    for (std::size_t pair = 0; pair < 2 && next < posed.leaves; ++pair, ++next) {
+      float* const box = &leaf[next].min.x;
+      firsts[pair].store(box);
+      lasts[pair].store(box + 2);
+    }
   }
   boundBoxes(posed);
 }

@@ -5,6 +5,7 @@
 
 #include "kelp/fields/cages.h"
 #include "kelp/formats/cage.h"
+#include "part_frames.h"
 #include "steps.h"
 
 namespace kelp::bake {

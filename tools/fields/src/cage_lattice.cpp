@@ -72,25 +72,31 @@ class Finest {
   }
 
   void findPieces(const glm::ivec3& at) {
-    const std::uint32_t cube = lattice_.index(at);
-    runs_.clear();
-    first_.assign(1, 0);
-    int solid = 0;
+    const std::uint32_t cube = lattice_.index(at), all = (1u << side_) - 1;
+    std::uint32_t any = 0, full = all;
+    rows_.clear();
     for (int z = 0; z < side_; ++z) {
       for (int y = 0; y < side_; ++y) {
-        for (std::uint32_t bits = row(at, y, z); bits != 0;) {
-          const int begin = std::countr_zero(bits), end = begin + std::countr_one(bits >> begin);
-          runs_.push_back({begin, end});
-          solid += end - begin;
-          bits &= ~((1u << end) - 1);
-        }
-        first_.push_back(runs_.size());
+        const std::uint32_t here = row(at, y, z);
+        rows_.push_back(here);
+        any |= here;
+        full &= here;
       }
     }
-    if (solid == 0) return;
+    if (any == 0) return;
     lattice_.pieces[cube] = 1;
-    if (solid == side_ * side_ * side_) lattice_.touches[cube] = CageLattice::kFull;
-    if (side_ == 2 || solid == side_ * side_ * side_) return;
+    if (full == all) lattice_.touches[cube] = CageLattice::kFull;
+    if (full == all || side_ == 2) return;
+    runs_.clear();
+    first_.assign(1, 0);
+    for (std::uint32_t bits : rows_) {
+      while (bits != 0) {
+        const int begin = std::countr_zero(bits), end = begin + std::countr_one(bits >> begin);
+        runs_.push_back({begin, end});
+        bits &= ~((1u << end) - 1);
+      }
+      first_.push_back(runs_.size());
+    }
     joinRuns();
     const int pieces = classes_.number(kMostPieces, number_);
     if (pieces == 1) return;
@@ -200,6 +206,7 @@ class Finest {
   const SolidBits& solid_;
   int side_;
   CageLattice lattice_;
+  std::vector<std::uint32_t> rows_;
   std::vector<Run> runs_;
   std::vector<std::size_t> first_;  // run of each row
   Classes classes_;

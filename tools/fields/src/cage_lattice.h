@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
 #include "kelp/fields/solid_bits.h"

@@ -97,10 +97,14 @@ class CageBuilder {
       order.emplace_back(mortonCode(placeOf(one.cube)), &one);
     std::sort(order.begin(), order.end());
     const auto side = static_cast<std::size_t>(lattice_.side >> level_);
+    std::size_t bytes = 0;
     for (const auto& entry : order) {
-      CageLattice::Divided* const one = entry.second;
-      one->mask = cage_.masks.size();
-      cage_.masks.resize(one->mask + lattice_.pieces[one->cube] * maskBytes());
+      entry.second->mask = bytes;
+      bytes += lattice_.pieces[entry.second->cube] * maskBytes();
+    }
+    cage_.masks.resize(bytes);
+    for (const auto& entry : order) {
+      const CageLattice::Divided* const one = entry.second;
       if (finer_) {
         fillMasks(*one);
         continue;
@@ -161,7 +165,7 @@ class CageBuilder {
   // Nodes of one point of the lattice.
   void makeNodes(const glm::ivec3& point) {
     beside_.clear();
-    bool any = false, inside = false, several = false;
+    bool any = false, inside = false;
     std::size_t cells = 0;
     int slots[8];
     for (int i = 0; i < 8; ++i) {
@@ -170,18 +174,18 @@ class CageBuilder {
       if (!lattice_.has(at)) continue;
       const std::uint32_t cube = lattice_.index(at);
       if (lattice_.pieces[cube] == 0) continue;
+      const bool its = isInside(cube);
+      if (its && !finer_) return;  // all cells beside it touch it, and nobody asks which these are
       slots[i] = static_cast<int>(beside_.size());
-      beside_.push_back({at, cube, isInside(cube), 0, cells});
+      beside_.push_back({at, cube, its, 0, cells});
       cells += lattice_.pieces[cube];
-      any = any || !beside_.back().inside;
-      inside = inside || beside_.back().inside;
-      several = several || lattice_.pieces[cube] > 1;
+      any = any || !its;
+      inside = inside || its;
     }
     if (!any) return;
-    // All around touches a cube that is inside.
     nodes_.assign(cells, 0);
     int nodes = 1;
-    if (!inside && (several || beside_.size() > 1)) nodes = joinCorners(slots, cells);
+    if (!inside && cells > 1) nodes = joinCorners(slots, cells);
     if (nodes > 1) {
       const glm::ivec3 points = lattice_.grid + 1;
       cage_.split_points.push_back(

@@ -150,10 +150,9 @@ void checkPaperOptions(const Options& options, int level) {
                                 options.soft_shadows > 0 ? "--soft-shadows" : "--occlusion distances"));
   for (const Item& item : options.items)
     if (item.bend == Bend::kSweep)
-      throw ToolError(Exit::kUsage,
-                      fmt::format("--bend sweep: --method {} shears all parts; use --method kelp, "
-                                  "or --bend shear",
-                                  method));
+      throw ToolError(Exit::kUsage, fmt::format("--bend {}: --method {} shears all parts; use --method kelp, "
+                                                "or --bend shear",
+                                                toString(*item.bend, item.caged), method));
 }
 
 // The options of one pack, the same before and after --and.
@@ -170,8 +169,8 @@ void addItemOptions(CLI::App& app, ItemText& text) {
   app.add_option("PACK", text.item.pack, "the .kelp file")->required();
   app.add_option("--bend", text.bend,
                  "draw all parts as if their rigs said so: sections stay level, or perpendicular to the "
-                 "spline; the pack stays as it is")
-      ->option_text("shear|sweep [as the pack says]");
+                 "spline, or a cage that moves like that; the pack stays as it is")
+      ->option_text("shear|sweep|cage [as the pack says]");
   app.add_option("--clip", text.item.clip, "the animation to play")->option_text("NAME");
   text.time =
       app.add_option("--time", text.item.time, "where in the clip the picture, or the first frame, is")
@@ -197,8 +196,10 @@ Item finishItem(const ItemText& text) {
     throw ToolError(Exit::kUsage, "--time takes a finite number; see kelp-render --help");
   if (*text.time && item.clip.empty())
     throw ToolError(Exit::kUsage, "--time needs a clip; name one with --clip (kelp-dump info lists them)");
-  if (!text.bend.empty() && !(item.bend = parseBend(text.bend)))
-    refuse("--bend", text.bend, "shear or sweep");
+  item.caged = text.bend == toString(Bend::kSweep, true);
+  if (item.caged) item.bend = Bend::kSweep;
+  if (!text.bend.empty() && !item.bend && !(item.bend = parseBend(text.bend)))
+    refuse("--bend", text.bend, "shear, sweep or cage");
   if (!text.at.empty() && !parseVector(text.at, item.at)) refuse("--at", text.at, "x,y,z");
   if (!std::isfinite(item.turn))
     throw ToolError(Exit::kUsage, "--turn takes a finite number; see kelp-render --help");

@@ -43,6 +43,7 @@ struct KnotChange {
 struct Item {
   std::string pack;
   std::optional<Bend> bend;  // of all parts; absent: as the pack says
+  bool caged = false;        // with `bend`: solid parts have cages
   std::string clip;
   double time = 0;
   std::vector<KnotChange> changes;

@@ -14,6 +14,8 @@
 #include "kelp/common/console.h"
 #include "kelp/common/memory.h"
 #include "kelp/common/pack_error.h"
+#include "kelp/fields/cages.h"
+#include "kelp/formats/raw_level.h"
 #include "kelp/rig/raw_clips.h"
 #include "kelp/rig/rig.h"
 
@@ -63,6 +65,20 @@ void checkDistances(const Options& options, const std::string& path, const runti
                     path + ": is fog, which has no distances; leave it out, or choose another --view");
 }
 
+// Cages of a solid part: cells as it has them, or else of 8 voxels, or of 16 if that is too many.
+RawCages cagesOf(const std::string& path, const Pack& pack, int index) {
+  const Part& part = pack.parts()[static_cast<std::size_t>(index)];
+  const int longest = std::max({part.size.x, part.size.y, part.size.z});
+  const int cell = !part.cages.empty() ? part.cages[0].side : longest > 8 * kMostCageCells ? 16 : 8;
+  if (longest > cell * kMostCageCells)
+    throw ToolError(Exit::kUnsupported,
+                    fmt::format("{}: --bend cage: part {} is {} voxels long, and a cage has at most {} cells "
+                                "of {}; bake it with a lower --resolution",
+                                path, part.name, longest, kMostCageCells, cell));
+  return {cell,
+          fields::buildCages(checkPack(path, readRawLevel(pack, index, 0)), part.size, part.levels, cell)};
+}
+
 [[noreturn]] void failTooLarge(const std::string& path) {
   throw ToolError(
       Exit::kRuntime,
@@ -79,7 +95,7 @@ Scene::Scene(const Options& options) {
   // Checks the command line against all packs before it reads the first voxel.
   std::uint64_t memory = 0;
   for (const Item& item : options.items) {
-    const Key key{item.pack, item.bend};
+    const Key key{item.pack, item.bend, item.caged};
     std::unique_ptr<runtime::Asset>& pack = packs_[key];
     if (!pack) {
       const FileSource file = openFile(item.pack);
@@ -87,7 +103,7 @@ Scene::Scene(const Options& options) {
       if (item.bend) {
         memory += source.size;
         if (memory > mostMemory()) failTooLarge(item.pack);
-        source = rebent_.try_emplace(key, item.pack, source, *item.bend).first->second.source();
+        source = rebent_.try_emplace(key, item.pack, source, *item.bend, item.caged).first->second.source();
       }
       runtime::AssetOptions whole;
       whole.memory_budget = mostMemory();
@@ -110,7 +126,7 @@ Scene::Scene(const Options& options) {
   }
   for (std::size_t i = 0; i < options.items.size(); ++i) {
     const Item& item = options.items[i];
-    runtime::Instance instance{packs_[{item.pack, item.bend}].get(), &poses_[i]};
+    runtime::Instance instance{packs_[{item.pack, item.bend, item.caged}].get(), &poses_[i]};
     instance.to_world = placeOf(item);
     instances_.push_back(instance);
   }
@@ -120,17 +136,20 @@ void Scene::pose(double seconds) {
   for (std::size_t i = 0; i < poses_.size(); ++i) posings_[i].apply(seconds, poses_[i]);
 }
 
-Rebent::Rebent(const std::string& path, const Source& source, Bend bend) {
+Rebent::Rebent(const std::string& path, const Source& source, Bend bend, bool caged) {
   const Pack pack = checkPack(path, Pack::open(source));
-  RawRigs rigs{std::string(pack.infoJson()), {}, rawClips(pack), rawSockets(pack)};
+  RawRigs rigs{std::string(pack.infoJson()), {}, rawClips(pack), rawSockets(pack), {}};
+  rigs.cages.emplace(pack.parts().size());
   for (const Part& part : pack.parts()) {
+    if (caged && part.kind == PartKind::kSolid)
+      (*rigs.cages)[rigs.parts.size()] = cagesOf(path, pack, static_cast<int>(rigs.parts.size()));
     RawRig& rest = rigs.parts.emplace_back(rawRig(part));
     rest.bend = bend;
     if (bend == Bend::kShear) rest.roll = 0;
     try {
       checkRest(rest, part.size);
     } catch (const RigError& error) {
-      throw ToolError(Exit::kInvalid, fmt::format("{}: --bend {}: part {}: {}", path, toString(bend),
+      throw ToolError(Exit::kInvalid, fmt::format("{}: --bend {}: part {}: {}", path, toString(bend, caged),
                                                   part.name, error.what()));
     }
   }

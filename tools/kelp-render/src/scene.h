@@ -27,8 +27,9 @@ std::uint64_t mostMemory();
 class Rebent {
  public:
   // Reads the pack `path` whole. ToolError kInvalid, with part, knot and place, if a rest rig cannot bend so.
-  // A part that becomes sheared loses its roll.
-  Rebent(const std::string& path, const Source& source, Bend bend);
+  // A part that becomes sheared loses its roll. caged: solid parts get cages, with cells as they had or of 8
+  // voxels; else they lose them.
+  Rebent(const std::string& path, const Source& source, Bend bend, bool caged);
 
   // Valid as long as this object.
   Source source() const { return MemorySource(bytes_).source(); }
@@ -55,6 +56,7 @@ class Scene {
   struct Key {
     std::string path;
     std::optional<Bend> bend;
+    bool caged = false;
     auto operator<=>(const Key&) const = default;
   };
   using Packs = std::map<Key, std::unique_ptr<runtime::Asset>>;

@@ -82,7 +82,8 @@ struct CageSource {
   std::span<const std::uint8_t> masks;
   // The points of the lattice at which not all corners of cells are one node, ascending: x + (grid.x + 1) (y
   // + (grid.y + 1) z). And for each, one number for each corner of a cell there, in the order of cells and
-  // their corners: 0, 1, ... in the order of first occurrence. Corners with the same number are one node.
+  // their corners: 0, 1, ... in the order of first occurrence. Corners with the same number are one node: at
+  // most 256 nodes at a point.
   std::span<const std::uint32_t> split_points;
   std::span<const std::uint8_t> splits;
   // Of coarser cages: for each node the cell of the next finer cage that it moves with: cageFollows().
@@ -143,7 +144,7 @@ CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer);
 // Makes the cage that `source` describes, in `memory`. size: of the part, level-0 voxels. levels: of the
 // part. cage: its number, finest first. finer: the next finer one; null for the finest. max_bytes: of what it
 // takes in memory. kCorrupt, with a text, for what breaks the rules of SPEC.md 4.9; kLimit; kOutOfMemory.
-// Safe for hostile sources: counts are checked before memory is taken.
+// Safe for hostile sources: counts are checked before memory is taken. The cage's `follows` are the source's.
 Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int levels, int cell, int cage,
                       const Cage* finer, std::uint64_t max_bytes, CageMemory& memory);
 

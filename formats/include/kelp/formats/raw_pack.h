@@ -152,7 +152,13 @@ struct RawRig {
   float parent_at = Part::kNotOnSpline;
   Bend bend = Bend::kShear;
   float roll = 0;
-  bool caged = false;  // the part has cages; writeRigs keeps those that there are
+  bool caged = false;  // the part has cages; writeRigs does not read this
+};
+
+// The cages of a part, as in RawPart.
+struct RawCages {
+  int cell = 0;
+  std::vector<RawCage> cages;
 };
 
 // The content that writeRigs replaces in a pack.
@@ -161,13 +167,16 @@ struct RawRigs {
   std::vector<RawRig> parts;
   std::vector<RawClip> clips;
   std::vector<RawSocket> sockets;
+  std::optional<std::vector<RawCages>> cages =
+      std::nullopt;  // one for each part; absent: the pack keeps its own
 };
 
-// Writes the pack in `source` again, with other information, rest rigs, clips and sockets. Every other chunk
-// is copied byte by byte, unknown kinds included, and compared with its checksum on the way. So the result
-// has the same bytes as writePack would write. kMisuse, with a text, if the rigs break the rules of SPEC.md;
-// the errors of Pack::open if the source is not a valid pack; kChecksum; the sink's error. Safe for hostile
-// sources. After an error, discard what the sink received. Memory: the metadata and a block of 64 KiB.
+// Writes the pack in `source` again, with other information, rest rigs, clips, sockets and cages. Every other
+// chunk is copied byte by byte, unknown kinds included, and compared with its checksum on the way. So the
+// result has the same bytes as writePack would write. kMisuse, with a text, if the rigs break the rules of
+// SPEC.md; the errors of Pack::open if the source is not a valid pack; kChecksum; the sink's error. Safe for
+// hostile sources. After an error, discard what the sink received. Memory: the metadata and a block of 64
+// KiB.
 Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink,
                        const PackLimits& limits = {});
 

@@ -49,7 +49,8 @@ Result<glm::mat4> partToWorld(const Instance& instance, int part);
 // parts hang on swept splines. kMisuse: there are more matrices than parts, or the pose is
 // of another asset.
 Result<void> partsToWorld(const Instance& instance, std::span<glm::mat4> out);
-// A box in the world that contains the deformed instance. Empty if `asset` is null.
+// A box in the world that contains the deformed instance: of a part with cages, the nodes of the finest one.
+// Empty if `asset` is null. Parts that cannot be drawn are left out.
 Box bounds(const Instance& instance);
 
 struct Ray {
@@ -72,10 +73,13 @@ struct Hit {
 
 // The nearest hit of the ray with the solid voxels of any of the instances, at level `level`. Where bricks of
 // that level are not in memory, the hit is on the finest coarser level that is, and the bricks are requested.
-// Never blocks. nullopt: no hit, nothing in memory, a zero or non-finite ray, or a pose that Pose::check()
-// refuses.
+// Never blocks. A part with cages is traced in the cage of the level; that is used once the coarsest level
+// that it serves is complete. The first call after a change of a pose makes what the cage needs. nullopt: no
+// hit, nothing in memory, a zero or non-finite ray, or a pose that Pose::check() refuses.
 std::optional<Hit> raycast(Instances instances, const Ray& ray, int level = 0);
 
+// Points and frames, here and in kelp/runtime/distance.h, take a part with cages as its spline bends it,
+// wherever its nodes are.
 // A point of the undeformed model (object space, meters) that belongs to a part -> the world, with all that
 // the pose does to it. kMisuse: as partToWorld().
 Result<glm::vec3> toWorld(const Instance& instance, int part, const glm::vec3& rest);

@@ -59,7 +59,10 @@ std::string more(std::size_t total, std::size_t shown, const char* what) {
 }
 
 const char* kindText(const Part& part) {
-  return part.fog ? " (fog)" : part.kind == PartKind::kEmpty ? " (empty)" : "";
+  return part.fog                        ? " (fog)"
+         : part.kind == PartKind::kEmpty ? " (empty)"
+         : part.cages.empty()            ? ""
+                                         : " (caged)";
 }
 
 std::string fogText(const Fog& fog) {
@@ -140,7 +143,7 @@ std::string partText(const Summary& summary, std::size_t index) {
   for (std::size_t k = 0; k < part.knots.size() && k < 8; ++k)
     text += fmt::format(" {:.3g}", part.knots[k].at);
   if (part.knots.size() > 8) text += " ...";
-  if (!part.cages.empty()) text += fmt::format("; in a cage of cells of {}", part.cages[0].side);
+  if (!part.cages.empty()) text += fmt::format("; cells of {}", part.cages[0].side);
   if (part.bend == Bend::kSweep) text += "; swept";
   if (part.roll != 0) text += fmt::format(", turned by {:.4g} degrees", rollInDegrees(part.roll));
   if (part.parent >= 0) text += fmt::format("; follows part {}", part.parent);

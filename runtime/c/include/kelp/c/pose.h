@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A pose: where the knots of every part are now. Add clips to it, move its knots, blend it with others. Use a
-// pose on one thread at a time. Include kelp/kelp.h.
+// A pose: where the knots of every part are now, and the nodes of parts with cages. Add clips to it, move its
+// knots, blend it with others. Use a pose on one thread at a time. Include kelp/kelp.h.
 #ifndef KELP_C_POSE_H
 #define KELP_C_POSE_H
 
@@ -24,7 +24,7 @@ KELP_API kelp_result kelp_pose_create(kelp_asset asset, const kelp_allocator* al
 KELP_API kelp_result kelp_pose_destroy(kelp_pose pose);
 
 KELP_API kelp_result kelp_pose_get_parts(kelp_pose pose, int32_t* parts);
-// *fits: true if the pose has as many parts and knots as the asset.
+// *fits: true if the pose has as many parts, knots and nodes as the asset.
 KELP_API kelp_result kelp_pose_fits(kelp_pose pose, kelp_asset asset, kelp_bool* fits);
 
 // Copies the knots of a part: at most `capacity` of them to `knots` (may be null if that is 0). *count: how
@@ -41,12 +41,22 @@ KELP_API kelp_result kelp_pose_set_tangent(kelp_pose pose, int32_t part, int32_t
 KELP_API kelp_result kelp_pose_get_motion(kelp_pose pose, int32_t part, kelp_motion* motion);
 KELP_API kelp_result kelp_pose_set_motion(kelp_pose pose, int32_t part, const kelp_motion* motion);
 
+// Copies where the nodes of a part's finest cage are now: three floats each, in part space (level-0 voxels);
+// at most `capacity` nodes to `nodes` (may be null if that is 0). *count: how many the part has; 0 without a
+// cage. KELP_ERROR_MISUSE: no such part.
+KELP_API kelp_result kelp_pose_get_nodes(kelp_pose pose, int32_t part, float* nodes, uint32_t capacity,
+                                         uint32_t* count);
+// *nodes: the same nodes, to write; filled with where they are now. From then on they are where you put them,
+// and the knots no longer move them, until kelp_pose_reset. Call it again before each round of writing: it
+// tells the pose that nodes change. The pointer stays valid as long as the pose; null without a cage.
+KELP_API kelp_result kelp_pose_write_nodes(kelp_pose pose, int32_t part, float** nodes, uint32_t* count);
+
 KELP_API kelp_result kelp_pose_reset(kelp_pose pose);  // back to rest
-// Copies another pose. KELP_ERROR_MISUSE: their parts or knots differ in number.
+// Copies another pose. KELP_ERROR_MISUSE: their parts, knots or nodes differ in number.
 KELP_API kelp_result kelp_pose_assign(kelp_pose pose, kelp_pose other);
 // Moves the pose towards `to`: weight 0 changes nothing, weight 1 makes it `to`. part_weights: a factor of
-// the weight for each part, `count` of them; null and 0: all 1. KELP_ERROR_MISUSE: the poses differ in parts
-// or knots, or a weight is not within 0 to 1.
+// the weight for each part, `count` of them; null and 0: all 1. KELP_ERROR_MISUSE: the poses differ in parts,
+// knots or nodes, or a weight is not within 0 to 1.
 KELP_API kelp_result kelp_pose_blend(kelp_pose pose, kelp_pose to, float weight, const float* part_weights,
                                      uint32_t count);
 // KELP_OK if every part can be drawn. Else KELP_ERROR_NOT_MONOTONE, KELP_ERROR_FOLDS or KELP_ERROR_MISUSE,

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Cages through the programs a user types: kelp-bake makes them, kelp-dump compares them with the voxels.
+
+  kelp_cage_test.py KELP_BAKE KELP_DUMP SOURCE [unittest's options]
+"""
+import json
+import os
+import subprocess
+import sys
+import unittest
+
+from kelp_bake_case import Case, box, lump
+
+DUMP, SOURCE = (os.path.abspath(sys.argv.pop(1)) for _ in range(2))
+
+ASSETS = os.environ.get("KELP_ASSETS") or os.path.join(SOURCE, "../shared/assets")
+REAL = [("mesh/common3d/stanford-bunny.obj", 128), ("mesh/common3d/spot.obj", 64),
+        ("gltf/aquarium/fish.glb", 96), ("gltf/draco_testdata/Fox/Fox.gltf", 96)]
+
+
+def comb(teeth):
+    """A bar with teeth as wide as the gaps between them."""
+    boxes = [(box(2 * teeth - 1, 1, 1), 0)] + [(box(1, 6, 1), 2 * i) for i in range(teeth)]
+    lines = []
+    for i, (obj, x) in enumerate(boxes):
+        for word, *rest in map(str.split, obj.splitlines()):
+            if word == "v":
+                lines.append("v %g %s %s" % (float(rest[0]) + x, rest[1], rest[2]))
+            else:
+                lines.append(" ".join(["f", *(str(int(corner) + 8 * i) for corner in rest)]))
+    return "\n".join(lines) + "\n"
+
+
+class Cages(Case):
+    def dump(self, *arguments):
+        result = subprocess.run([DUMP, *arguments, self.path("out.kelp")], capture_output=True, timeout=300)
+        self.assertEqual(result.returncode, 0, (result.stdout + result.stderr).decode())
+        return result.stdout
+
+    def baked(self, path, *options):
+        """The cages of the pack's only part, and the bytes of its chunks by kind."""
+        self.passes(path, "-o", "out.kelp", *options)
+        self.dump("verify", "--deep")
+        info = json.loads(self.dump("info", "--format", "json"))
+        (part,) = info["parts"]
+        self.assertEqual(part["bend"], "cage")
+        self.assertEqual(part["cage"]["spline"], "sweep")
+        return part["cage"], {chunk["kind"]: chunk["stored_bytes"] for chunk in info["chunks"]}
+
+    def test_shapes_in_cells_of_all_sides(self):
+        shapes = {"comb.obj": comb(9), "slab.obj": box(8, 32, 1), "lump.obj": lump(3)}
+        for name, obj in shapes.items():
+            path = self.write(name, obj)
+            before = 1 << 32
+            for cell in (2, 4, 8, 16):
+                cage, _ = self.baked(path, "--resolution", "70", "--bend", "cage", "--cell", str(cell))
+                self.assertEqual(cage["cell"], cell)
+                self.assertEqual([one["first_level"] for one in cage["cages"]][0], 0)
+                self.assertLess(cage["cages"][0]["nodes"], before, "finer cells have more nodes")
+                before = cage["cages"][0]["nodes"]
+
+    def test_the_teeth_of_a_comb_are_pieces(self):
+        cage, _ = self.baked(self.write("comb.obj", comb(9)), "--resolution", "51",
+                             "--bend", "cage", "--cell", "16")
+        self.assertGreater(cage["cages"][0]["pieces"], 9)
+
+    def test_a_slab_of_one_cell_has_eight_nodes(self):
+        cage, _ = self.baked(self.write("cube.obj", box(1, 1, 1)), "--resolution", "8", "--bend", "cage")
+        self.assertEqual([(one["cells"], one["nodes"], one["faces"]) for one in cage["cages"]], [(1, 8, 12)])
+
+    def test_the_bend_is_said_again_by_the_rig_of_the_pack(self):
+        slab = self.write("slab.obj", box(2, 8, 1))
+        cages = self.baked(slab, "--resolution", "32", "--bend", "cage", "--rig", "sway")
+        self.write("slab.rig.json", self.dump("rig"))
+        self.assertEqual(self.baked(slab, "--resolution", "32"), cages)
+
+    def test_real_files(self):
+        if not os.path.isdir(ASSETS):
+            self.skipTest("no assets in %s; set KELP_ASSETS" % ASSETS)
+        for name, resolution in REAL:
+            with self.subTest(name):
+                path = os.path.join(ASSETS, name)
+                cage, bytes_of = self.baked(path, "--resolution", str(resolution), "--rig", "none",
+                                            "--bend", "cage")
+                self.assertLess(bytes_of["CAGE"], (bytes_of["BRCK"] + bytes_of["GRID"]) / 10)
+                self.assertGreater(cage["cages"][0]["cells"], 100)
+
+    def test_a_skin_has_none(self):
+        fox = os.path.join(ASSETS, "gltf/draco_testdata/Fox/Fox.gltf")
+        if not os.path.exists(fox):
+            self.skipTest("no assets in %s; set KELP_ASSETS" % ASSETS)
+        result = self.bake(fox, "-o", "out.kelp", "--bend", "cage")
+        self.assertEqual(result.returncode, 5)
+        for word in (b"joints", b"--rig none"):
+            self.assertIn(word, result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

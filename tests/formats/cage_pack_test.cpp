@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// Packs with cages: written, read again, refused, and within the limits.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "kelp/formats/verify.h"
+#include "pack_compare.h"
+#include "pack_surgeon.h"
+#include "support/random_pack.h"
+#include "support/short_memory.h"
+#include "tiny_cage_pack.h"
+
+namespace kelp {
+namespace {
+
+using test::IsSolid;
+
+// Random solids, on several levels.
+RawPack makeRandomCagePack(std::uint32_t seed) {
+  RawPack pack = test::makeTinyPack();
+  std::mt19937 random(seed);
+  for (int i = 0; i < 2; ++i) {
+    const glm::ivec3 size(5 + random() % 14, 5 + random() % 14, 5 + random() % 14);
+    const std::uint32_t share = 2 + random() % 8, salt = random();
+    const IsSolid solid = [=](const glm::ivec3& v) {
+      const auto hash =
+          static_cast<std::uint32_t>(v.x * 73856093 ^ v.y * 19349663 ^ v.z * 83492791) * 2654435769u;
+      return test::isInBox(v, {0, 0, 0}, size) && (v == glm::ivec3(0) || (hash ^ salt) % 10007 % 10 < share);
+    };
+    pack.parts.push_back(
+        test::makeCagedPart(size, 1 + static_cast<int>(random() % 4), 2 << random() % 4, solid));
+  }
+  return pack;
+}
+
+TEST(CagePack, ComesBackExactly) {
+  for (std::uint32_t seed = 0; seed < 8; ++seed) {
+    SCOPED_TRACE(seed);
+    const RawPack raw = makeRandomCagePack(seed);
+    const std::vector<std::byte> bytes = test::writeToMemory(raw);
+    MemorySource memory(bytes);
+    const Result<Pack> pack = Pack::open(memory.source());
+    ASSERT_TRUE(pack) << pack.error().detail;
+    EXPECT_EQ(pack->minorVersion(), 3);
+    const test::Comparison result = test::compare(*pack, raw);
+    ASSERT_TRUE(result.status) << result.status.error().detail;
+    EXPECT_TRUE(result.equal);
+    EXPECT_EQ(verify(memory.source(), {}, nullptr, nullptr), 0u);
+    for (const Part& part : pack->parts()) {
+      for (int level = 0; !part.cages.empty() && level < part.levels; ++level) {
+        const Cage& cage = part.cageOf(level);
+        EXPECT_LE(cage.first_level, level);
+        EXPECT_GE(cage.last_level, level);
+      }
+    }
+  }
+}
+
+TEST(CagePack, TheWriterRefusesWrongOnes) {
+  const RawPack sound = test::makeTinyCagePack();
+  const auto refuses = [&](auto spoil) {
+    RawPack pack = sound;
+    spoil(pack.parts[2]);
+    std::vector<std::byte> bytes;
+    const Result<void> written = writePack(pack, Sink::into(bytes));
+    EXPECT_TRUE(bytes.empty());
+    return !written && written.error().code == ErrorCode::kMisuse;
+  };
+  EXPECT_TRUE(refuses([](RawPart& part) { part.cell = 3; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.cell = 0; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.cell = 8; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.cages.pop_back(); }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.cages[0].blocks.pop_back(); }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.cages[1].masks.pop_back(); }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.cages[0].splits.push_back(0); }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.cages[1].follows.pop_back(); }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.cages[0].follows.push_back(0); }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.levels.clear(); }));
+}
+
+// The limits on metadata bound cages too, and what making them takes.
+TEST(CagePack, MemoryIsBounded) {
+  const glm::ivec3 size(40);
+  const IsSolid solid = [&](const glm::ivec3& v) { return test::isInBox(v, {0, 0, 0}, size); };
+  RawPack raw = test::makeTinyPack();
+  raw.parts[0] = test::makeCagedPart(size, 1, 2, solid);
+  raw.clips.clear();
+  const std::vector<std::byte> bytes = test::writeToMemory(raw);
+  MemorySource source(bytes);
+  bool opened = false;
+  int refused = 0;
+  for (std::uint64_t most = 10000; !opened; most += most / 8, ++refused) {
+    PackLimits limits;
+    limits.max_metadata_bytes = most;
+    test::ShortMemory memory;
+    const Result<Pack> pack = Pack::open(source.source(), limits, memory.allocator());
+    opened = static_cast<bool>(pack);
+    EXPECT_TRUE(opened || pack.error().code == ErrorCode::kLimit);
+    EXPECT_LE(memory.peak_bytes, 2 * most + 2 * bytes.size() + (std::uint64_t{1} << 18));
+  }
+  EXPECT_GT(refused, 8);
+}
+
+// Counts that claim gigabytes, or as much as the limits allow, cost no memory.
+TEST(CagePack, ClaimsAreNotBelieved) {
+  for (const std::uint32_t number : {0xffffffffu, 10000000u}) {
+    for (const std::size_t at : {8u, 12u, 16u, 20u, 24u, 56u, 64u}) {
+      test::PackSurgeon lying(test::writeToMemory(test::makeTinyCagePack()));
+      test::set(lying.content("CAGE"), at, number);
+      const test::Bytes bytes = lying.build();
+      MemorySource source(bytes);
+      test::ShortMemory memory;
+      EXPECT_FALSE(Pack::open(source.source(), {}, memory.allocator()));
+      EXPECT_LT(memory.peak_bytes, 300000u) << at;
+    }
+  }
+}
+
+TEST(CagePack, OtherRigsLeaveItAsItIs) {
+  const RawPack raw = test::makeTinyCagePack();
+  const std::vector<std::byte> bytes = test::writeToMemory(raw);
+  RawRigs rigs{raw.info_json, {}, raw.clips, raw.sockets};
+  for (const RawPart& part : raw.parts)
+    rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at, part.bend, part.roll});
+  MemorySource source(bytes);
+  std::vector<std::byte> again;
+  ASSERT_TRUE(writeRigs(source.source(), rigs, Sink::into(again)));
+  EXPECT_EQ(again, bytes);
+}
+
+// Cages come and go with the rigs: as if the pack had been written that way.
+TEST(CagePack, OtherCagesReplaceIt) {
+  const RawPack caged = test::makeTinyCagePack();
+  RawPack plain = caged;
+  for (RawPart& part : plain.parts) part.cell = 0, part.cages.clear();
+  for (const bool joints : {false, true}) {
+    const auto bytesOf = [joints](RawPack pack) {
+      if (joints) pack.joints = {{"hip", -1, glm::mat4x3(1), {0}}};
+      return test::writeToMemory(pack);
+    };
+    for (const bool to_caged : {false, true}) {
+      const std::vector<std::byte> from = bytesOf(to_caged ? plain : caged);
+      RawRigs rigs{caged.info_json, {}, caged.clips, caged.sockets, std::vector<RawCages>()};
+      for (const RawPart& part : caged.parts) {
+        rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at, part.bend, part.roll});
+        rigs.cages->push_back(to_caged ? RawCages{part.cell, part.cages} : RawCages{});
+      }
+      MemorySource source(from);
+      std::vector<std::byte> to;
+      ASSERT_TRUE(writeRigs(source.source(), rigs, Sink::into(to)));
+      EXPECT_EQ(to, bytesOf(to_caged ? caged : plain));
+      rigs.cages->pop_back();
+      EXPECT_EQ(writeRigs(source.source(), rigs, Sink::into(to)).error().code, ErrorCode::kMisuse);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kelp
