@@ -72,10 +72,10 @@ OF_THE_FILE = [
 ]
 # Whole rigs.
 OF_THE_WORD = [
-    ('{"kelp": 1, "bend": "Sweep"}', '/bend: must be "sweep" or "shear", not "Sweep"'),
-    ('{"kelp": 1, "bend": ""}', '/bend: must be "sweep" or "shear", not ""'),
-    ('{"kelp": 1, "bend": ["sweep"]}', '/bend: must be "sweep" or "shear", not ["sweep"]'),
-    ('{"kelp": 1, "bend": 1}', '/bend: must be "sweep" or "shear", not 1'),
+    ('{"kelp": 1, "bend": "Sweep"}', '/bend: must be "sweep", "shear" or "cage", not "Sweep"'),
+    ('{"kelp": 1, "bend": ""}', '/bend: must be "sweep", "shear" or "cage", not ""'),
+    ('{"kelp": 1, "bend": ["sweep"]}', '/bend: must be "sweep", "shear" or "cage", not ["sweep"]'),
+    ('{"kelp": 1, "bend": 1}', '/bend: must be "sweep", "shear" or "cage", not 1'),
     ('{"kelp": 1, "bend": "shear", "roll": 30}', "/roll: only a swept part turns about its spline"),
     ('{"kelp": 1, "roll": 30}', '/roll: only a swept part turns about its spline; write "bend": "sweep"'),
 ]
