@@ -122,10 +122,12 @@ struct Vandal {
     glUniform1i(glGetUniformLocation(program, "kelp_occlusion_rays"), 1 << 30);
     const auto texels = static_cast<std::uint32_t>(number) / 4;
     const std::uint32_t record = self.from.record(number / 4)[static_cast<int>(self.anything.below(3))];
+    if (record >= texels) return;  // this program drew another frame
     const std::vector<Place> places = self.placesOf(static_cast<int>(record));
     for (std::uint32_t i = 0; i < self.words; ++i) {
       Place place{static_cast<int>(self.anything.below(texels)), static_cast<int>(self.anything.below(4))};
       if (i == 0) place = places[self.turn++ % places.size()];
+      if (static_cast<std::uint32_t>(place.texel) >= texels) continue;
       glm::uvec4 value = self.from.record(place.texel);
       // A link leads back to where it is.
       value[place.word] = place.texel == places.back().texel ? record : self.anything.word();
