@@ -10,13 +10,13 @@
 const float kKelpFar = 1e9;
 
 // The levels of distances of the part of this record; kelpLoadDistances sets these.
-int kelp_distance_levels;  // 0: it has none
+int kelp_distance_levels;  // 0: it has none, or a cage, where no distance is known
 uint kelp_distances_at;    // their tables
 vec3 kelp_distance_size;   // of the part, level-0 voxels
 void kelpLoadDistances() {
   uvec4 volume = kelpRecordBits(kelp_record + 11);
-  kelp_distance_levels = min(int(volume.w >> 24u), KELP_MAX_LEVELS);
-  kelp_distances_at = kelpRecordBits(kelp_record + 10).w + 3u * ((volume.w >> 16u) & 255u);
+  kelp_distance_levels = KELP_CAGED ? 0 : min(int(volume.w >> 24u), KELP_MAX_LEVELS);
+  kelp_distances_at = kelpRecordBits(kelp_record + 10).w + 4u * ((volume.w >> 16u) & 255u);
   kelp_distance_size = uintBitsToFloat(volume.xyz);
 }
 
@@ -95,7 +95,7 @@ struct KelpDistances {
 };
 // False: it is not in the pool.
 bool kelpDistancesOf(int level, out KelpDistances d) {
-  uint table = kelp_distances_at + 3u * uint(level);
+  uint table = kelp_distances_at + 4u * uint(level);
   uint grid = kelpWord(table + 2u);
   d.cells = kelpWord(table);
   d.pages = kelpWord(table + 1u);

@@ -14,8 +14,18 @@
 
 layout(location = 0) out vec4 kelp_color;
 
-// Where a point of the undeformed part was in clip space in the frame before.
-vec4 kelpPreviousClip(vec3 rest) {
+// Where the point of a hit was in clip space in the frame before.
+vec4 kelpPreviousClip(KelpHit hit) {
+  vec3 rest = hit.rest;
+  if (KELP_CAGED) {
+    int rows = kelpTreeAt() + 4 * kelpCageLeaves();
+    int nodes = rows + 4;
+    uvec4 corners = kelpCageCorners(hit);
+    vec4 shares = kelpCageShares(hit);
+    vec4 at = shares.x * kelpRecord(nodes + int(corners.x)) + shares.y * kelpRecord(nodes + int(corners.y)) +
+              shares.z * kelpRecord(nodes + int(corners.z)) + shares.w * kelpRecord(nodes + int(corners.w));
+    return kelpRows(rows, kelpRecord(rows + 3)) * vec4(at.xyz, 1.0);
+  }
   if (KELP_SWEPT) {
     int rows = kelpJointsAt() + 2 * (kelp_arc_count + 1);
     int count = min(int(kelpRecordBits(rows + 4).x), KELP_MAX_ARCS);
@@ -43,7 +53,7 @@ vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray, vec4 clip) {
   kelpLoadLevel(kelp_level + hit.coarser);
   KelpSurface s = kelpSurfaceAt(hit, position, ray);
   s.clip = clip;
-  s.previous_clip = kelp_motion ? kelpPreviousClip(hit.rest) : clip;
+  s.previous_clip = kelp_motion ? kelpPreviousClip(hit) : clip;
   return kelpSurface(s);
 }
 
@@ -52,8 +62,14 @@ void main() {
   KelpPixelRay p = kelpPixelRay(pixel);
   if (!p.good) discard;
   kelp_jitter = kelpJitter(vec2(pixel));
-  if (!kelpLoadLevel(kelpPixelLevel(pixel))) discard;
+  int level = kelpPixelLevel(pixel);
+  if (KELP_CAGED && !kelpCageServes(level)) discard;
+  if (!kelpLoadLevel(level)) discard;
+#ifdef KELP_CAGED_ONLY
+  KelpHit hit = kelpWalkCaged(kelp_face, kelp_near, p.ray, p.range.x, p.range.y);
+#else
   KelpHit hit = kelpTrace(kelp_near, p.ray, p.range.x, p.range.y);
+#endif
   if (!hit.found) discard;
 
   vec4 clip = p.clip_at + hit.s * p.clip_slope;

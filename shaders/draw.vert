@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The proxy of a posed part: what its deformed bounds cover in the picture, as at most four triangles
-// between the corners of their outline. One fragment for every ray that meets the box in front of the eye.
-// Drawn as a strip of six vertices.
+// The proxy of a posed part. What its deformed bounds cover in the picture, as at most four triangles between
+// the corners of their outline: one fragment for every ray that meets the box in front of the eye. Drawn as a
+// strip of six vertices. Or, with KELP_CAGED_ONLY, the boundary faces of its cage that the eye sees from
+// outside: one fragment for each that a ray enters. Drawn as a list of triangles.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
@@ -10,6 +11,32 @@
 
 KELP_LOCATION(0) out vec3 kelp_near;       // a point of the pixel's ray near the voxels, part space
 KELP_LOCATION(1) flat out int kelp_texel;  // of the record
+#ifdef KELP_CAGED_ONLY
+KELP_LOCATION(2) flat out uint kelp_face;  // as in the list of boundary faces
+
+// The vertex's place in part space. False: its face has no part in the picture.
+bool kelpFaceVertex(int vertex) {
+  int number = vertex / 3;
+  uint faces = kelpRecordBits(kelp_record + KELP_RECORD + 1).w;
+  if (uint(number) >= faces || kelp_cage_at == 0u) return false;
+  kelp_face = KELP_CAGE_WORD(4u + 16u * KELP_CAGE_WORD(0u) + uint(number));
+  uint nodes = 6u + 16u * (kelp_face >> 5u);
+  uint order = (kelp_face >> 2u) & 7u;
+  // The tetrahedron's corners but 0 and 7; its faces on the boundary are 0 and 3.
+  uint a = 1u << (order >> 1u);
+  uint b = 7u - (1u << ((294u >> (2u * order)) & 3u));  // the last axes: 2 1 2 0 1 0
+  bool low = (kelp_face & 3u) != 0u;
+  vec3 p0 = KELP_NODE(KELP_CAGE_WORD(nodes + (low ? 0u : a)));
+  vec3 p1 = KELP_NODE(KELP_CAGE_WORD(nodes + (low ? a : b)));
+  vec3 p2 = KELP_NODE(KELP_CAGE_WORD(nodes + (low ? b : 7u)));
+  vec3 outward = cross(p1 - p0, p2 - p0);
+  // Tetrahedra 0, 3 and 4 turn to the right.
+  if (low == (order == 0u || order == 3u || order == 4u)) outward = -outward;
+  int corner = vertex % 3;
+  kelp_near = corner == 0 ? p0 : (corner == 1 ? p1 : p2);
+  return dot(outward, kelpViewRay(p0)) < 0.0;
+}
+#endif
 
 void main() {
   kelpLoadRecord(kelpRecordOf(KELP_INSTANCE));
@@ -17,8 +44,15 @@ void main() {
   vec4 x = kelpRecord(kelp_record);
   vec4 y = kelpRecord(kelp_record + 1);
   vec4 w = kelpRecord(kelp_record + 3);
-  uint outline = kelpRecordBits(kelp_record + 12).w;
   vec3 clip;
+#ifdef KELP_CAGED_ONLY
+  kelp_near = vec3(0.0);
+  kelp_face = 0u;
+  bool drawn = kelpFaceVertex(KELP_VERTEX);
+  vec4 at = vec4(kelp_near, 1.0);
+  clip = drawn ? vec3(dot(x, at), dot(y, at), dot(w, at)) : vec3(2.0, 2.0, 1.0);
+#else
+  uint outline = kelpRecordBits(kelp_record + 12).w;
   if (outline == 0u) {
     // The eye is in the box, or close to it: the whole picture. kelp_near at its corners is as far away as
     // the farthest corner of the box.
@@ -35,6 +69,7 @@ void main() {
     vec4 at = vec4(kelp_near, 1.0);
     clip = vec3(dot(x, at), dot(y, at), dot(w, at));
   }
+#endif
 
   // Each fragment writes its depth. Here z = w / 2, which is between the planes with either clip control: a
   // box that reaches beyond the near or far plane must not be clipped, because the part between them is still

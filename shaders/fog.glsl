@@ -39,7 +39,7 @@ float kelpFloat(uint at) { return uintBitsToFloat(kelpWord(at)); }
 // After kelpLoadLevel. The block of seven words comes after the tables of the part's levels.
 void kelpLoadFog() {
   uint levels = (kelpRecordBits(kelp_record + 11).w >> 16u) & 255u;
-  uint at = kelp_levels_at + 3u * levels;
+  uint at = kelp_levels_at + 4u * levels;
   kelp_fog_color = vec3(kelpFloat(at), kelpFloat(at + 1u), kelpFloat(at + 2u));
   kelp_fog_anisotropy = kelpFloat(at + 3u);
   kelp_fog_glow = kelpFloat(at + 4u);
@@ -123,7 +123,7 @@ KelpFogPlace kelpFogAbove(KelpFogPlace missing, vec3 q) {
     side *= 2.0;
     place.samples = kelpSamples(kelp_level + place.coarser);
     place.at = kelpCube(q / side - 0.5, place.samples) >> 3;
-    uint table = kelp_levels_at + 3u * uint(kelp_level + place.coarser);
+    uint table = kelp_levels_at + 4u * uint(kelp_level + place.coarser);
     uint grid = kelpWord(table + 2u);
     ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
     uint cells = kelpWord(table);

@@ -5,8 +5,9 @@
 // The pool: all voxels of all assets as 32-bit words; in a texture, 1024 to a row, 1024 rows to a layer.
 // runtime/draw/src writes it:
 //   of an asset  9 words for each palette entry: base color, emissive, metallic, roughness
-//                then for each part 3 words for each of its levels, finest first: where its cells are, where
-//                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31);
+//                then for each part 4 words for each of its levels, finest first: where its cells are, where
+//                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31), where
+//                the cage is whose coarsest level this is (kelp/formats/cage.h); 0: there is none;
 //                the same for each level of distances, with the squared distance where its band ends << 20
 //                and for fog the meaning of its samples: fog.glsl, kelpLoadFog
 //   of a level   cells and pages as in kelp/formats/page.h
@@ -19,7 +20,7 @@
 //   7      the eye in part space (w = 1), or the direction of view (w = 0, orthographic)
 //   8      tint
 //   9      lowest corner of the deformed bounds | number of spline segments; of a swept part, of arcs, and
-//          bit 31 is set
+//          bit 31 is set; of a part with a cage, of its nodes, and bit 30 is set
 //   10     highest corner of the deformed bounds | where the part's levels are in the pool
 //   11     size of the undeformed volume, level-0 voxels | level (bits 0..7), 64ths of the pixels that draw
 //          the next coarser level (8..14), 1 where a finer level is wanted (15), number of the part's levels
@@ -29,9 +30,13 @@
 //          (draw.vert): six corners of three bits, x y z, set for the high side; 0: the eye is in or close to
 //          the bounds
 //   13..   3 texels for each segment: p0, m0, p1, m1 in a row (spline.glsl, KelpSegment); of a swept part, 4
-//          for each arc and 2 for each joint, one joint more than arcs, as in kelp/formats/sweep.h
+//          for each arc and 2 for each joint, one joint more than arcs, as in kelp/formats/sweep.h; of a part
+//          with a cage: lowest corner of the box around inverted tetrahedra | leaves of the tree as a binary
+//          logarithm plus 1, 0: no tree (bits 0..7), the finest level that the cage serves (8..15), the
+//          coarsest (16..23); highest corner | number of the cage's boundary faces; a texel for each node;
+//          2 texels for each box of the tree, lowest and highest corner, twice as many boxes as leaves
 //   then, with kelp_motion: 4 texels as 0..3 and the segments, of the frame before; of a swept part, a texel
-//          with the number of arcs, the arcs and the joints
+//          with the number of arcs, the arcs and the joints; of a part with a cage, the nodes
 //   then, where distances shade: the record of the instance's next part; all parts of an instance are a ring
 //
 // Either may hold anything: an upload may be late, or never come. So what bounds a loop is bounded itself, by
@@ -40,6 +45,7 @@
 #define KELP_MAX_SEGMENTS 63
 #define KELP_MAX_ARCS 256
 #define KELP_MAX_LEVELS 16
+#define KELP_MAX_NODES 0x0fffffff
 #ifdef KELP_VULKAN
 layout(std430, set = KELP_SET, binding = KELP_BINDING_POOL) readonly buffer KelpPool { uint kelp_pool[]; };
 layout(std430, set = KELP_SET, binding = KELP_BINDING_RECORDS) readonly buffer KelpRecords {
@@ -60,9 +66,29 @@ vec4 kelpRecord(int texel) { return uintBitsToFloat(kelpRecordBits(texel)); }
 // The record that this invocation works on. kelpLoadRecord sets these.
 int kelp_record;
 int kelp_segment_count;
-int kelp_arc_count;  // of a swept part, which has no segments
+int kelp_arc_count;   // of a swept part, which has no segments
+int kelp_node_count;  // of a part with a cage, which has neither
+int kelp_cage_shape;  // as in the record
+uint kelp_cage_at;    // where the cage is in the pool; 0: it is not there
 vec3 kelp_bounds_min;
 vec3 kelp_bounds_max;
+
+#if defined(KELP_CAGED_ONLY)
+#define KELP_CAGED true
+#elif defined(KELP_SWEPT_ONLY) || defined(KELP_SHEARED_ONLY)
+#define KELP_CAGED false
+#else
+#define KELP_CAGED (kelp_node_count > 0)
+#endif
+#if defined(KELP_SWEPT_ONLY)
+#define KELP_SWEPT true
+#elif defined(KELP_SHEARED_ONLY) || defined(KELP_CAGED_ONLY)
+#define KELP_SWEPT false
+#else
+#define KELP_SWEPT (kelp_arc_count > 0)
+#endif
+// The coarsest level that the record's cage serves.
+int kelpCageLast() { return min((kelp_cage_shape >> 16) & 255, KELP_MAX_LEVELS - 1); }
 
 // The texel of the record of the i-th part of this draw.
 int kelpRecordOf(int i) {
@@ -74,11 +100,27 @@ void kelpLoadRecord(int texel) {
   kelp_record = texel;
   uvec4 low = kelpRecordBits(texel + 9);
   kelp_bounds_min = uintBitsToFloat(low.xyz);
-  bool swept = low.w >= 0x80000000u;
-  kelp_segment_count = swept ? 0 : min(int(low.w), KELP_MAX_SEGMENTS);
-  kelp_arc_count = swept ? min(int(low.w & 0x7fffffffu), KELP_MAX_ARCS) : 0;
-  kelp_bounds_max = kelpRecord(texel + 10).xyz;
+  uvec4 high = kelpRecordBits(texel + 10);
+  kelp_bounds_max = uintBitsToFloat(high.xyz);
+  uint kind = low.w >> 30u;
+  int count = int(low.w & 0x3fffffffu);
+  kelp_segment_count = kind == 0u ? min(count, KELP_MAX_SEGMENTS) : 0;
+  kelp_arc_count = kind > 1u ? min(count, KELP_MAX_ARCS) : 0;
+  kelp_node_count = kind == 1u ? min(count, KELP_MAX_NODES) : 0;
+  kelp_cage_shape = 0;
+  kelp_cage_at = 0u;
+  if (KELP_CAGED) {
+    kelp_cage_shape = int(kelpRecordBits(texel + KELP_RECORD).w);
+    kelp_cage_at = kelpWord(high.w + 4u * uint(kelpCageLast()) + 3u);
+  }
 }
+
+// The nodes of the record's cage, and its tree.
+int kelpNodesAt() { return kelp_record + KELP_RECORD + 2; }
+int kelpTreeAt() { return kelpNodesAt() + kelp_node_count; }
+int kelpCageLeaves() { return (1 << min(kelp_cage_shape & 255, 28)) >> 1; }
+// False: another record draws the pixels of that level.
+bool kelpCageServes(int level) { return level >= ((kelp_cage_shape >> 8) & 255) && level <= kelpCageLast(); }
 
 mat4 kelpRows(int texel, vec4 last) {
   return transpose(mat4(kelpRecord(texel), kelpRecord(texel + 1), kelpRecord(texel + 2), last));
@@ -113,17 +155,19 @@ uint kelp_cells_at;
 uint kelp_pages_at;
 ivec2 kelp_grid;  // bricks along x and y
 
-// Loads the level, or the next coarser one whose table is in the pool. False: there is none.
+// Loads the level, or the next coarser one whose table is in the pool and that has the same cage. False:
+// there is none.
 bool kelpLoadLevel(int level) {
   uvec4 volume = kelpRecordBits(kelp_record + 11);
   int levels = min(int((volume.w >> 16u) & 255u), KELP_MAX_LEVELS);
+  if (KELP_CAGED) levels = min(levels, kelpCageLast() + 1);
   kelp_levels_at = kelpRecordBits(kelp_record + 10).w;
   kelp_level = min(level, KELP_MAX_LEVELS - 1);
-  uint at = kelp_levels_at + 3u * uint(kelp_level);
+  uint at = kelp_levels_at + 4u * uint(kelp_level);
   kelp_cells_at = kelpWord(at);
   while (kelp_cells_at == 0u && kelp_level + 1 < levels) {
     ++kelp_level;
-    at += 3u;
+    at += 4u;
     kelp_cells_at = kelpWord(at);
   }
   kelp_coarser = levels - 1 - kelp_level;
@@ -134,7 +178,7 @@ bool kelpLoadLevel(int level) {
   kelp_pages_at = kelpWord(at + 1u);
   kelp_grid = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
   kelp_complete = grid >= 0x80000000u;
-  return kelp_cells_at != 0u;
+  return kelp_cells_at != 0u && (!KELP_CAGED || kelp_cage_at != 0u);
 }
 
 // The level that a pixel draws. An ordered 8 x 8 pattern of pixels mixes two levels, so that a part that
@@ -157,7 +201,7 @@ uint kelpBrickOf(uint pages_at, uint cell, uint words) {
 }
 uint kelpBrickIn(uint pages_at, uint cell) { return kelpBrickOf(pages_at, cell, 132u); }
 uint kelpBrickAbove(int above, ivec3 brick) {
-  uint at = kelp_levels_at + 3u * uint(kelp_level + above);
+  uint at = kelp_levels_at + 4u * uint(kelp_level + above);
   uint grid = kelpWord(at + 2u);
   ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
   uint cells = kelpWord(at);
@@ -186,6 +230,10 @@ int kelpArcTexels(int arcs) { return 6 * arcs + 2; }
 int kelpRecordEnd() {
   int texels = kelp_arc_count > 0 ? kelpArcTexels(kelp_arc_count) : 3 * kelp_segment_count;
   int end = kelp_record + KELP_RECORD + texels;
+  if (KELP_CAGED) {
+    texels = kelp_node_count;
+    end = kelpTreeAt() + 4 * kelpCageLeaves();
+  }
   if (!kelp_motion) return end;
   if (kelp_arc_count == 0) return end + 4 + texels;
   return end + 5 + kelpArcTexels(int(kelpRecordBits(end + 4).x));
@@ -196,26 +244,18 @@ int kelpRecordEnd() {
 #define KELP_CONTEXT
 #define KELP_SEGMENTS kelp_segment_count
 #define KELP_SEGMENT(i) KELP_SEGMENT_AT(kelp_record + KELP_RECORD, i)
-#if defined(KELP_SWEPT_ONLY)
-#define KELP_SWEPT true
-#elif defined(KELP_SHEARED_ONLY)
-#define KELP_SWEPT false
-#else
-#define KELP_SWEPT (kelp_arc_count > 0)
-#endif
 #define KELP_ARCS kelp_arc_count
 #define KELP_ARC_BALL(i) kelpRecord(kelpArcsAt() + 4 * (i))
 #define KELP_ARC(i) kelpArcOf(kelpArcsAt(), i)
 #define KELP_JOINT_PLANE(i) kelpRecord(kelpJointsAt() + 2 * (i))
 #define KELP_JOINT(i) kelpJointOf(kelpJointsAt(), i)
-#define KELP_CAGED false
-#define KELP_CAGE_WORD(i) kelpWord(i)
-#define KELP_NODE(i) kelpRecord(int(i)).xyz
-#define KELP_CAGE_LOW(i) kelpRecord(2 * (i)).xyz
-#define KELP_CAGE_HIGH(i) kelpRecord(2 * (i) + 1).xyz
-#define KELP_CAGE_LEAVES 0
-#define KELP_CAGE_FOLD_LOW vec3(1.0)
-#define KELP_CAGE_FOLD_HIGH vec3(0.0)
+#define KELP_CAGE_WORD(i) kelpWord(kelp_cage_at + (i))
+#define KELP_NODE(i) kelpRecord(kelpNodesAt() + int(i)).xyz
+#define KELP_CAGE_LOW(i) kelpRecord(kelpTreeAt() + 2 * (i)).xyz
+#define KELP_CAGE_HIGH(i) kelpRecord(kelpTreeAt() + 2 * (i) + 1).xyz
+#define KELP_CAGE_LEAVES kelpCageLeaves()
+#define KELP_CAGE_FOLD_LOW kelpRecord(kelp_record + KELP_RECORD).xyz
+#define KELP_CAGE_FOLD_HIGH kelpRecord(kelp_record + KELP_RECORD + 1).xyz
 #define KELP_LEAF_CELLS 2
 #define KELP_BOUNDS_MIN kelp_bounds_min
 #define KELP_BOUNDS_MAX kelp_bounds_max

@@ -3,6 +3,9 @@
 
 KELP_LOCATION(0) in vec3 kelp_near;
 KELP_LOCATION(1) flat in int kelp_texel;
+#ifdef KELP_CAGED_ONLY
+KELP_LOCATION(2) flat in uint kelp_face;
+#endif
 
 // One texel for each pixel; rays end there.
 #ifdef KELP_VULKAN

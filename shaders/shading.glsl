@@ -71,6 +71,7 @@ float kelpStretch() { return kelp_size.y / (KELP_SEGMENT(KELP_SEGMENTS - 1).p1.y
 // The direction of the ray's image in the undeformed volume at the hit, up to length: the inverse of the
 // map's derivative; of a shear times S.y' >= 0.
 vec3 kelpRestDirection(KelpHit hit, vec3 ray) {
+  if (KELP_CAGED) return normalize(kelpCageRestDirection(hit, ray));
   vec3 middle = 0.5 * kelp_size;
   if (KELP_SWEPT)
     return normalize(kelpSweepRestDirection(KELP_ARC(hit.segment), hit.rest.x - middle.x, hit.rest.y,
@@ -81,6 +82,7 @@ vec3 kelpRestDirection(KelpHit hit, vec3 ray) {
 }
 // The normal in part space, up to length, of a surface at the hit whose normal is n at rest.
 vec3 kelpBentNormal(KelpHit hit, vec3 n) {
+  if (KELP_CAGED) return kelpCageNormal(hit, n);
   vec3 middle = 0.5 * kelp_size;
   if (KELP_SWEPT)
     return kelpSweepNormal(KELP_ARC(hit.segment), KELP_JOINT(hit.segment), KELP_JOINT(hit.segment + 1),

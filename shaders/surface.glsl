@@ -78,7 +78,8 @@ bool kelpOccluded(vec3 world_position, vec3 world_direction, float distance) {
 // hits at distance d counts as stopped by 1 - (d / reach)^2; `reach` is a fraction of the longest side of the
 // undeformed part. Rays start 1.75 voxels off the surface, because a surface of cubes has steps that its
 // normal does not show. If faces are shown, 1/16 of a voxel. Where that is inside a solid, as in a narrow
-// gap, half as much, up to three times.
+// gap, half as much, up to three times. Rays meet a part with a cage only where the view asks for them
+// (Quality::self_shadow, occlusion_rays) or a host casts them: other records have no tree.
 vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
   const float kTurn = 2.39996323;  // the golden angle
   vec2 visible = vec2(1.0);

@@ -21,10 +21,12 @@ out=$1 options=("${@:2}") shaders=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$out"/{spirv,hlsl,msl,essl}
 
 programs() {
-  printf '%s\n' draw.vert lines.vert lines.frag "draw.frag KELP_DEBUG"
+  printf '%s\n' draw.vert "draw.vert KELP_CAGED_ONLY" lines.vert lines.frag "draw.frag KELP_DEBUG"
   for look in "" " KELP_GRADIENT_ONLY"; do
     for rays in "" " KELP_SECONDARY_RAYS"; do
-      for parts in SHEARED_ONLY SWEPT_ONLY DISTANCES; do echo "draw.frag KELP_$parts$rays$look"; done
+      for parts in "" " KELP_SHEARED_ONLY" " KELP_SWEPT_ONLY" " KELP_CAGED_ONLY" " KELP_DISTANCES"; do
+        echo "draw.frag$parts$rays$look"
+      done
     done
   done
   for parts in SHEARED SWEPT; do

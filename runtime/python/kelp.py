@@ -185,6 +185,7 @@ class DebugView(enum.IntEnum):
     LEVELS = 3
     BOUNDS = 4
     SPLINES = 5
+    CAGES = 6
 
 
 class Pass(enum.IntEnum):
@@ -201,10 +202,11 @@ class Program(enum.IntFlag):
     """A program of the shaders, for a graphics API of your own: a set of bits. SHEARED alone is 0."""
     SHEARED = 0
     SWEPT = 1
-    FOG = 2
-    FOG_HEAT = 4
-    FOG_SHADOW = 8
-    EITHER_BEND = 16
+    CAGED = 2
+    ANY_BEND = 3
+    FOG = 4
+    FOG_HEAT = 8
+    FOG_SHADOW = 16
     DEBUG = 32
     LINES = 64
 
@@ -336,7 +338,8 @@ _View = _sized(
 _PlannerOptions = _sized("kelp_planner_options", features=c_uint32, pool_bytes=c_uint64, log=_Log,
                          user=c_void_p, allocator=c_void_p)
 _Copy = _struct("kelp_copy", offset=c_uint64, frame=c_uint64, words=c_void_p, size=c_size_t)
-_Call = _struct("kelp_call", program=c_uint32, first=c_uint32, count=c_uint32, copies_depth=c_uint32)
+_Call = _struct("kelp_call", program=c_uint32, first=c_uint32, count=c_uint32, vertices=c_uint32,
+                copies_depth=c_uint32)
 UNIFORMS = np.dtype([
     ("sun_direction", "f4", 3), ("first_instance", "i4"), ("sun_color", "f4", 3), ("motion", "u4"),
     ("sky_color", "f4", 3), ("depth_only", "u4"), ("ground_color", "f4", 3), ("clip_low", "f4"),
@@ -1680,11 +1683,12 @@ class Copy(NamedTuple):
 
 @dataclass(frozen=True)
 class Call:
-    """Strips of six vertices, `count` instances from `first` on. copies_depth: before it, copy the depth
-    drawn so far."""
+    """`count` instances from `first` on, of so many vertices each: strips of six; of Program.CAGED lists of
+    triangles, of Program.LINES one list of lines. copies_depth: before it, copy the depth drawn so far."""
     program: Program
     first: int
     count: int
+    vertices: int
     copies_depth: bool
 
 
@@ -1780,7 +1784,7 @@ class Planner(_Object):
         filled, kept = view._filled(self._caught)
         with _used(instances, self, *self._assets) as used, self._caught.raised():
             _call("planner_" + name, self._handle, byref(filled), *used, *settings, byref(data), byref(stats))
-            calls = [Call(Program(one.program), one.first, one.count, bool(one.copies_depth))
+            calls = [Call(Program(one.program), one.first, one.count, one.vertices, bool(one.copies_depth))
                      for one in data.calls[:data.call_count]]
             records, lines = (_copy(at, size // 4, np.uint32).reshape(-1, 4) for at, size in (
                 (data.records, data.records_size), (data.lines, data.lines_size)))

@@ -314,7 +314,7 @@ class DrawData(Column):
         self.view.sun_direction, self.view.sky_color = (0, 2, 0), (0.5, 0.25, 0)
         self.view.occlusion_rays = 3
         data = self.planner.draw(self.view, [self.bent, self.rest], depth=kelp.Depth.GIVEN)
-        self.assertEqual([kelp.Call(kelp.Program.SHEARED, 0, 2, False)], data.calls)
+        self.assertEqual([kelp.Call(kelp.Program.SHEARED, 0, 2, 6, False)], data.calls)
         self.assertEqual((0, kelp.RECORD_WIDTH, 4, 2),
                          (len(data.records) % kelp.RECORD_WIDTH, len(data.records), data.records.shape[1],
                           data.stats.instances))

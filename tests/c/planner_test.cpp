@@ -97,6 +97,7 @@ void expectData(const draw::DrawData& expected, const kelp_draw_data& data) {
     EXPECT_EQ(static_cast<kelp_program>(expected.calls[i].program), data.calls[i].program);
     EXPECT_EQ(expected.calls[i].first, data.calls[i].first);
     EXPECT_EQ(expected.calls[i].count, data.calls[i].count);
+    EXPECT_EQ(expected.calls[i].vertices, data.calls[i].vertices);
     EXPECT_EQ(expected.calls[i].copies_depth, data.calls[i].copies_depth != 0);
   }
   EXPECT_EQ(expected.frame, data.frame);

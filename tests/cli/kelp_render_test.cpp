@@ -310,7 +310,8 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
       {{pack_, "-o", out_, "--soft-shadows", "1", "--shadows", "off"}, 1, "leave one"},
       {{pack_, "-o", out_, "--view", "inside"},
        1,
-       "--view inside: expected shaded, normals, depth, distance, parts, steps, level, bounds or splines"},
+       "--view inside: expected shaded, normals, depth, distance, parts, steps, level, bounds, splines or "
+       "cages"},
       {{pack_, "-o", out_, "--shading", "flat"}, 1, "--shading flat: expected gradient, faces or smooth"},
       {{pack_, "-o", out_, "--time", "nan"}, 1, "finite"},
       {{pack_, "-o", out_, "--background", "1,2,300"}, 1, "--background 1,2,300"},

@@ -2,6 +2,7 @@
 // Draw data is enough: a backend that knows nothing else draws the pictures that the GL renderer draws.
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "support/cage_pack.h"
 #include "support/distance_pack.h"
 #include "swept_pack.h"
 #include "two_hosts.h"
@@ -90,6 +91,36 @@ TEST_F(BackendTest, SweptParts) {
     hosts.expectSame(rig.name.c_str(), view, instance);
     hosts.planner().remove(*swept.asset);
     hosts.renderer().remove(*swept.asset);
+  }
+}
+
+TEST_F(BackendTest, PartsWithCages) {
+  const fields::Occupancy column = ballClump({18, 64, 16}, 12, 3);
+  for (const draw::Features features : {draw::Features::kNone, draw::Features::kSecondaryRays}) {
+    TwoHosts hosts(kSize, features);
+    const LoadedAsset swept(caged(sweptPackOf(column, 5), 4)),
+        clump(cagedPackOf(ballClump({30, 40, 26}, 12, 2), 8));
+    for (const LoadedAsset* loaded : {&swept, &clump}) hosts.add(*loaded->asset);
+    hosts.uploadAll();
+    Instance instance{swept.asset.get()};
+    instance.to_world = glm::rotate(glm::mat4(1), 0.4f, glm::vec3(1, 2, 3)) *
+                        glm::scale(glm::mat4(1), glm::vec3(-1, 1.2f, 0.8f));
+    gl::View view = closeTo(instance);
+    view.quality.self_shadow = features != draw::Features::kNone;
+    const PassOptions options{.rays_may_flip = view.quality.self_shadow};
+    hosts.expectSame("faces of the cage", view, instance, options);
+    view.quality.shading = gl::Shading::kSmooth;
+    hosts.expectSame("smooth", view, instance, options);
+    view.quality = {.pixels_per_voxel = 5, .self_shadow = view.quality.self_shadow};
+    const Instance at_rest{clump.asset.get()};
+    hosts.expectSame("coarse", view, instance, options);
+    view = closeTo(at_rest);
+    const glm::vec3 inside = runtime::toWorld(at_rest, 0, {0.03f, 0.75f, 0}).value();
+    hosts.expectSame("inside", lookAt(kSize, inside, inside + glm::vec3(1, -0.4f, 0.2f), 0.02f), at_rest);
+    hosts.expectSame("the near plane cuts", lookAt(kSize, {0.3f, 0.6f, 1.6f}, {0, 0.5f, 0}, 1.4f), at_rest);
+    const Instance both[] = {instance, at_rest};
+    view.quality.depth_batches = 2;
+    hosts.expectSame("both", view, both);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <type_traits>
 
 #include "shader_stage.h"
 
@@ -32,52 +33,44 @@ void setUniforms(Stage& stage, const draw::Uniforms& from, std::uint32_t first) 
   stage.kelp_occlusion = from.occlusion != 0;
 }
 
-// The six corners of a proxy's strip, in clip space without z, and what is interpolated between them.
-struct Strip {
-  glm::vec3 corners[6], near[6];
+// A vertex in clip space without z, and what is handed on.
+struct Vertex {
+  glm::vec3 at, near;
   int texel = 0;
+  std::uint32_t face = 0;
 };
-Strip stripOf(const shader::Proxy& prototype, std::uint32_t instance) {
-  Strip strip;
-  for (int i = 0; i < 6; ++i) {
-    shader::Proxy proxy = prototype;
-    proxy.gl_InstanceID = static_cast<int>(instance);
-    proxy.gl_VertexID = i;
-    proxy.main();
-    const glm::vec4& at = proxy.gl_Position;
-    EXPECT_FLOAT_EQ(at.z, 0.5f * at.w);  // between the planes in both clip ranges
-    strip.corners[i] = {at.x, at.y, at.w};
-    strip.near[i] = proxy.kelp_near;
-    strip.texel = proxy.kelp_texel;
-  }
-  return strip;
+template <class Proxy>
+Vertex vertexOf(const Proxy& prototype, std::uint32_t instance, int number) {
+  Proxy proxy = prototype;
+  proxy.gl_InstanceID = static_cast<int>(instance);
+  proxy.gl_VertexID = number;
+  proxy.main();
+  const glm::vec4& at = proxy.gl_Position;
+  EXPECT_FLOAT_EQ(at.z, 0.5f * at.w);  // between the planes in both clip ranges
+  Vertex vertex{{at.x, at.y, at.w}, proxy.kelp_near, proxy.kelp_texel};
+  if constexpr (requires { proxy.kelp_face; }) vertex.face = proxy.kelp_face;
+  return vertex;
 }
 
-// Calls cover(pixel, near) once for every pixel whose center the strip covers.
+// Calls cover(pixel, near) for every pixel whose center the triangle covers, and that is not `covered`.
 template <class Cover>
-void rasterize(const Strip& strip, const glm::ivec2& size, Cover&& cover) {
-  struct Triangle {
-    glm::dmat3 to_shares;
-    int first;
-  };
-  std::vector<Triangle> triangles;
-  for (int i = 0; i < 4; ++i) {
-    const glm::dmat3 corners(strip.corners[i], strip.corners[i + 1], strip.corners[i + 2]);
-    if (glm::determinant(corners) != 0) triangles.push_back({glm::inverse(corners), i});
-  }
+void rasterize(const Vertex (&vertices)[3], const glm::ivec2& size, std::vector<bool>& covered,
+               Cover&& cover) {
+  const glm::dmat3 corners(vertices[0].at, vertices[1].at, vertices[2].at);
+  if (glm::determinant(corners) == 0) return;
+  const glm::dmat3 to_shares = glm::inverse(corners);
   for (int y = 0; y < size.y; ++y) {
     for (int x = 0; x < size.x; ++x) {
-      const glm::dvec3 at(2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(size) - 1.0, 1);
-      for (const Triangle& triangle : triangles) {
-        // Shares of the corners, over w.
-        glm::dvec3 shares = triangle.to_shares * at;
-        if (!(std::min({shares.x, shares.y, shares.z}) >= 0)) continue;
-        shares /= shares.x + shares.y + shares.z;
-        const glm::vec3* const near = strip.near + triangle.first;
-        cover(glm::ivec2(x, y), glm::vec3(shares.x * glm::dvec3(near[0]) + shares.y * glm::dvec3(near[1]) +
-                                          shares.z * glm::dvec3(near[2])));
-        break;
-      }
+      const auto i = static_cast<std::size_t>(y * size.x + x);
+      if (covered[i]) continue;
+      // Shares of the corners, over w.
+      glm::dvec3 shares = to_shares * glm::dvec3(2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(size) - 1.0, 1);
+      if (!(std::min({shares.x, shares.y, shares.z}) >= 0)) continue;
+      shares /= shares.x + shares.y + shares.z;
+      covered[i] = true;
+      cover(glm::ivec2(x, y),
+            glm::vec3(shares.x * glm::dvec3(vertices[0].near) + shares.y * glm::dvec3(vertices[1].near) +
+                      shares.z * glm::dvec3(vertices[2].near)));
     }
   }
 }
@@ -86,9 +79,10 @@ bool passes(float depth, float before, bool reversed) { return reversed ? depth 
 
 // Calls use(Fragment stage) for the program of a call.
 template <class Use>
-void withProgram(Program program, Use&& use) {
+void withProgram(Program program, bool distances, Use&& use) {
   const bool swept = has(program, Program::kSwept), shadow = has(program, Program::kFogShadow);
-  if (program == Program::kEitherBend) return use(shader::EitherBend());
+  if (program == Program::kCaged) return use(shader::Caged());
+  if (program == Program::kAnyBend) return distances ? use(shader::ByDistances()) : use(shader::AnyBend());
   if (!has(program, Program::kFog)) return swept ? use(shader::Swept()) : use(shader::Sheared());
   if (shadow) return swept ? use(shader::SweptFogShadow()) : use(shader::ShearedFogShadow());
   if (has(program, Program::kFogHeat))
@@ -126,22 +120,31 @@ template <class Fragment, class Shade>
 void CpuBackend::drawCall(const draw::DrawData& data, const draw::Call& call,
                           std::span<const float> scene_depth, const glm::ivec2& size, Shade&& shade) {
   const ShaderMemory memory{pool_, data.records, scene_depth, size};
-  shader::Proxy proxy;
+  constexpr bool kCaged = std::is_same_v<Fragment, shader::Caged>;
+  std::conditional_t<kCaged, shader::CagedProxy, shader::Proxy> proxy;
   Fragment fragment;
   proxy.kelp_pool.memory = fragment.kelp_pool.memory = &memory;
   proxy.kelp_records.memory = fragment.kelp_records.memory = &memory;
   fragment.kelp_scene_depth.memory = &memory;
   setUniforms(proxy, data.uniforms, call.first);
   setUniforms(fragment, data.uniforms, call.first);
+  const int vertices = static_cast<int>(call.vertices);
   for (std::uint32_t i = 0; i < call.count; ++i) {
-    const Strip strip = stripOf(proxy, i);
-    rasterize(strip, size, [&](const glm::ivec2& pixel, const glm::vec3& near) {
-      Fragment stage = fragment;  // an invocation
-      stage.kelp_near = near;
-      stage.kelp_texel = strip.texel;
-      stage.gl_FragCoord = glm::vec4(glm::vec2(pixel) + 0.5f, 0, 1);
-      shade(stage, pixel, static_cast<std::size_t>(pixel.y * size.x + pixel.x));
-    });
+    // Triangles of a strip cover no pixel twice.
+    std::vector<bool> covered(static_cast<std::size_t>(size.x * size.y));
+    for (int first = 0; first + 2 < vertices; first += kCaged ? 3 : 1) {
+      Vertex triangle[3];
+      for (int k = 0; k < 3; ++k) triangle[k] = vertexOf(proxy, i, first + k);
+      if (kCaged) std::fill(covered.begin(), covered.end(), false);
+      rasterize(triangle, size, covered, [&](const glm::ivec2& pixel, const glm::vec3& near) {
+        Fragment stage = fragment;  // an invocation
+        stage.kelp_near = near;
+        stage.kelp_texel = triangle[2].texel;
+        if constexpr (kCaged) stage.kelp_face = triangle[2].face;
+        stage.gl_FragCoord = glm::vec4(glm::vec2(pixel) + 0.5f, 0, 1);
+        shade(stage, pixel, static_cast<std::size_t>(pixel.y * size.x + pixel.x));
+      });
+    }
   }
   reads_outside_ += memory.reads_outside;
 }
@@ -151,11 +154,13 @@ void CpuBackend::draw(const draw::DrawData& data, draw::Pass pass, bool reversed
   std::vector<float> copied;
   for (const draw::Call& call : data.calls) {
     EXPECT_EQ(has(call.program, Program::kFog), pass == draw::Pass::kFog);
-    EXPECT_EQ(call.program == Program::kEitherBend,
-              pass != draw::Pass::kFog && has(features_, draw::Features::kDistances));
+    const bool distances = has(features_, draw::Features::kDistances);
+    if (distances) {
+      EXPECT_TRUE(call.program == Program::kAnyBend || pass == draw::Pass::kFog);
+    }
     if (call.copies_depth) copied = picture.depths;
     const std::span<const float> scene = given.empty() ? std::span<const float>(copied) : given;
-    withProgram(call.program, [&]<class Fragment>(const Fragment&) {
+    withProgram(call.program, distances, [&]<class Fragment>(const Fragment&) {
       drawCall<Fragment>(
           data, call, scene, picture.size, [&](Fragment& stage, const glm::ivec2&, std::size_t i) {
             stage.main();
@@ -177,15 +182,22 @@ std::vector<Seen> CpuBackend::seen(const draw::DrawData& data, bool reversed_dep
   Picture picture(size, reversed_depth ? 0.0f : 1.0f);
   std::vector<Seen> out(picture.depths.size());
   for (const draw::Call& call : data.calls) {
-    withProgram(call.program, [&]<class Fragment>(Fragment) {
+    withProgram(call.program, has(features_, draw::Features::kDistances), [&]<class Fragment>(Fragment) {
       if constexpr (requires(Fragment stage) { stage.kelpSurfaceAt({}, {}, {}); }) {
         drawCall<Fragment>(
             data, call, {}, size, [&](Fragment& stage, const glm::ivec2& pixel, std::size_t i) {
               stage.kelp_scene = 0;
               const auto ray = stage.kelpPixelRay(pixel);
               if (!ray.good) return;
-              if (!stage.kelpLoadLevel(stage.kelpPixelLevel(pixel))) return;
-              const auto hit = stage.kelpTrace(stage.kelp_near, ray.ray, ray.range.x, ray.range.y);
+              const int level = stage.kelpPixelLevel(pixel);
+              if (stage.kelp_node_count > 0 && !stage.kelpCageServes(level)) return;
+              if (!stage.kelpLoadLevel(level)) return;
+              auto hit = stage.kelpNoHit(0);
+              if constexpr (std::is_same_v<Fragment, shader::Caged>)
+                hit =
+                    stage.kelpWalkCaged(stage.kelp_face, stage.kelp_near, ray.ray, ray.range.x, ray.range.y);
+              else
+                hit = stage.kelpTrace(stage.kelp_near, ray.ray, ray.range.x, ray.range.y);
               const float depth = stage.kelpDepthOf(ray.clip_at + hit.s * ray.clip_slope);
               if (!hit.found || !passes(depth, picture.depths[i], reversed_depth)) return;
               picture.depths[i] = depth;

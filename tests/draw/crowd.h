@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "cpu_backend.h"
+#include "support/cage_pack.h"
 #include "support/distance_pack.h"
 #include "support/fog_pack.h"
 
@@ -41,14 +42,14 @@ struct StreamedPack {
   std::unique_ptr<runtime::Asset> streamed, whole;
 };
 
-// Solids, one with distances, and fog: much more than the pool holds.
+// Solids, one with distances and one with cages, and fog: much more than the pool holds.
 inline std::vector<std::unique_ptr<StreamedPack>> crowd() {
   std::vector<std::unique_ptr<StreamedPack>> packs;
   packs.push_back(std::make_unique<StreamedPack>(packOf(ballClump({60, 80, 50}, 20, 2))));
   packs.push_back(std::make_unique<StreamedPack>(distancePackOf(ballClump({40, 56, 40}, 14, 5))));
   packs.push_back(std::make_unique<StreamedPack>(
       fogPack(fogOf({40, 56, 36}, puffs, [](const glm::dvec3& p) { return puffs(p) * p.y; }), 0.2f)));
-  packs.push_back(std::make_unique<StreamedPack>(packOf(ballClump({80, 60, 70}, 24, 7))));
+  packs.push_back(std::make_unique<StreamedPack>(cagedPackOf(ballClump({80, 60, 70}, 24, 7), 8)));
   return packs;
 }
 inline std::vector<Instance> instancesOf(const std::vector<std::unique_ptr<StreamedPack>>& packs) {

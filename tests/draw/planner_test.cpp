@@ -106,5 +106,63 @@ TEST_F(PlannerTest, WhatFitsIsCopiedThoughNotAllDoes) {
   EXPECT_EQ(data->stats.instances + data->stats.waiting, 30u);
 }
 
+// The faces of a cage are drawn; its bounds, where the eye or the near plane is in them.
+TEST_F(PlannerTest, PartsWithCagesHaveCallsOfTheirOwn) {
+  using draw::Program;
+  const fields::Occupancy volume = ballClump({60, 80, 50}, 20, 2);
+  const std::vector<std::byte> bytes = bytesOf(cagedPackOf(volume, 8)),
+                               small = bytesOf(cagedPackOf(volume, 2));
+  const MemorySource source(bytes), small_source(small);
+  const auto plain = loaded(source_), with = loaded(source), finer = loaded(small_source);
+  const auto one = planner(std::uint64_t{8} << 20);
+  for (const auto* asset : {plain.get(), with.get(), finer.get()}) {
+    ASSERT_TRUE(one->add(*asset));
+    one->copied();
+  }
+  EXPECT_EQ(one->programs(*plain), 1u);
+  EXPECT_EQ(one->programs(*with), 1u | 1u << 2 | 1u << 3);
+  ASSERT_EQ(one->upload(~std::uint64_t{0}).value().pending, 0u);
+  one->copied();
+  const auto facesOf = [](const runtime::Asset& asset) { return asset.pack().parts()[0].cages[0].faces(); };
+  ASSERT_GT(facesOf(*finer), 4 * facesOf(*with));
+
+  std::vector<Instance> instances;
+  for (int i = 0; i < 5; ++i) {
+    instances.push_back({i == 0 ? plain.get() : i == 4 ? finer.get() : with.get()});
+    instances.back().to_world[3].z = -static_cast<float>(i);
+  }
+  draw::View view = lookFrom({0.3f, 0.5f, 3}, {0, 0.5f, 0});
+  view.quality.pixels_per_voxel = 0;
+  const auto drawn = one->draw(view, instances);
+  ASSERT_TRUE(drawn);
+  ASSERT_EQ(drawn->calls.size(), 3u);
+  const auto expectCall = [&](std::size_t i, Program program, std::uint32_t first, std::uint32_t count,
+                              std::uint32_t vertices) {
+    const draw::Call& call = drawn->calls[i];
+    EXPECT_EQ(call.program, program);
+    EXPECT_EQ(call.first, first);
+    EXPECT_EQ(call.count, count);
+    EXPECT_EQ(call.vertices, vertices);
+  };
+  expectCall(0, Program::kSheared, 0, 1, 6);
+  expectCall(1, Program::kCaged, 1, 3, 3 * facesOf(*with));
+  expectCall(2, Program::kCaged, 4, 1, 3 * facesOf(*finer));
+
+  const auto programOf = [&](const draw::View& of) {
+    const auto data = one->draw(of, instances[1]);
+    EXPECT_EQ(data->calls.size(), 1u);
+    return data->calls[0].program;
+  };
+  EXPECT_EQ(programOf(view), Program::kCaged);
+  EXPECT_EQ(programOf(lookFrom({0, 0.5f, -0.8f}, {0, 0.5f, -2})), Program::kAnyBend);
+  draw::View cut = view;
+  cut.camera.eye_to_clip = glm::perspective(0.8f, 4.0f / 3, 3.9f, 100.0f);
+  EXPECT_EQ(programOf(cut), Program::kAnyBend);
+  cut.camera.eye_to_clip = glm::perspective(0.8f, 4.0f / 3, 2.0f, 4.0f);
+  EXPECT_EQ(programOf(cut), Program::kCaged) << "the far plane cuts it";
+  cut.debug = draw::DebugView::kLevels;
+  EXPECT_EQ(programOf(cut), Program::kDebug | Program::kAnyBend);
+}
+
 }  // namespace
 }  // namespace kelp::test

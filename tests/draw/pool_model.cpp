@@ -20,7 +20,7 @@ std::uint32_t pageOf(std::uint32_t cell) { return cell >> 7 & 0x1ffffu; }
 }  // namespace
 
 Held& Held::operator+=(const Held& more) {
-  grids += more.grids, pages += more.pages, missing_pages += more.missing_pages;
+  grids += more.grids, pages += more.pages, cages += more.cages, missing_pages += more.missing_pages;
   return *this;
 }
 
@@ -54,6 +54,18 @@ std::uint32_t PoolModel::word(std::uint64_t at) const {
   return pool_[static_cast<std::size_t>(at)];
 }
 
+// Of the cage there: kelp/formats/cage.h.
+std::uint64_t PoolModel::cageWords(std::uint64_t at) const {
+  const std::uint32_t cells = word(at), levels = word(at + 3);
+  std::uint64_t words = kCageHeader + std::uint64_t{kCageCellWords} * cells + word(at + 2);
+  for (std::uint32_t i = 0; i < cells; ++i) {
+    if (word(at + kCageHeader + kCageCellWords * i + 1) == 0) continue;
+    for (std::uint32_t level = levels >> 8 & 255; level <= levels >> 16; ++level)
+      words += std::max((1u << 3 * ((levels & 255) - level)) / 32, 1u);
+  }
+  return words;
+}
+
 void PoolModel::copy(std::span<const draw::Copy> copies) {
   for (const draw::Copy& copy : copies) {
     ASSERT_LE(copy.offset / 4 + copy.words.size(), pool_.size());
@@ -72,10 +84,12 @@ template <class Visit>
 void PoolModel::visitLevel(const PlacedPart& part, int level, bool distances, std::uint32_t fog_words,
                            Visit&& visit) const {
   const std::uint64_t table =
-      part.tables + 3 * static_cast<std::uint64_t>(distances ? part.levels + level : level);
-  visit(table, 3);
-  const std::uint32_t cells = word(table), pages = word(table + 1), grid = word(table + 2);
+      part.tables + 4 * static_cast<std::uint64_t>(distances ? part.levels + level : level);
+  visit(table, 4);
+  const std::uint32_t cells = word(table), pages = word(table + 1), grid = word(table + 2),
+                      cage = word(table + 3);
   if (grid == 0) return;
+  if (cage != 0) visit(cage, cageWords(cage));
   const glm::ivec3 bricks(grid & 1023, grid >> 10 & 1023, 0);
   const PartKind kind = fog_words > 0 ? PartKind::kFog : PartKind::kSolid;
   const glm::ivec3 expected = brickGrid(latticeSize(kind, levelSize(part.size, level)));
@@ -117,7 +131,7 @@ void PoolModel::drawn(const std::vector<PlacedPart>& parts, std::uint64_t frame,
     if (part.palette < kStored) mark(part.palette, 9 * palette_entries);
     std::uint32_t fog_words = 0;
     if (fog) {
-      const std::uint64_t block = part.tables + 3 * static_cast<std::uint64_t>(part.levels);
+      const std::uint64_t block = part.tables + 4 * static_cast<std::uint64_t>(part.levels);
       const std::uint32_t colors = word(block + 5);
       mark(block, 6 + static_cast<std::uint64_t>(part.levels) + 3 * colors);
       fog_words = kFogChannelWords * (colors > 0 ? 2 : 1);
@@ -132,9 +146,11 @@ Held PoolModel::expectContent(const PlacedPart& part, const runtime::Asset& whol
   for (int i = 0; i < part.levels + part.distances; ++i) {
     const runtime::LevelId id{part.part, i < part.levels ? i : i - part.levels, i >= part.levels};
     const runtime::Level* const level = runtime::PageAccess::level(whole, id);
-    const std::uint64_t table = part.tables + 3 * static_cast<std::uint64_t>(i);
-    const std::uint32_t cells = word(table), pages = word(table + 1), grid = word(table + 2);
+    const std::uint64_t table = part.tables + 4 * static_cast<std::uint64_t>(i);
+    const std::uint32_t cells = word(table), pages = word(table + 1), grid = word(table + 2),
+                        cage = word(table + 3);
     if (grid == 0) {
+      EXPECT_EQ(cage, 0u);
       EXPECT_EQ(cells, 0u);
       EXPECT_EQ(pages, 0u);
       continue;
@@ -162,6 +178,13 @@ Held PoolModel::expectContent(const PlacedPart& part, const runtime::Asset& whol
       EXPECT_EQ(differs(solid, kSolidBrick), 0);
     }
     EXPECT_EQ(grid >= kStored, missing == 0) << "level " << id.level;
+    const Part& packed = whole.pack().parts()[static_cast<std::size_t>(part.part)];
+    const Cage* const behind = id.distances || packed.cages.empty() ? nullptr : &packed.cageOf(id.level);
+    EXPECT_EQ(cage != 0, behind && behind->last_level == id.level) << "level " << id.level;
+    if (cage != 0 && behind) {
+      EXPECT_EQ(differs(cage, behind->words), 0) << "cage of level " << id.level;
+      ++held.cages;
+    }
     held.missing_pages += missing;
   }
   return held;

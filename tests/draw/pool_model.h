@@ -28,7 +28,7 @@ std::vector<PlacedPart> placedParts(const draw::DrawData& data);
 
 // How much of a part the pool holds.
 struct Held {
-  int grids = 0, pages = 0, missing_pages = 0;
+  int grids = 0, cages = 0, pages = 0, missing_pages = 0;
   Held& operator+=(const Held& more);
 };
 
@@ -49,6 +49,7 @@ class PoolModel {
 
  private:
   std::uint32_t word(std::uint64_t at) const;
+  std::uint64_t cageWords(std::uint64_t at) const;
   template <class Visit>
   void visitLevel(const PlacedPart& part, int level, bool distances, std::uint32_t fog_words,
                   Visit&& visit) const;

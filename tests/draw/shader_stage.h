@@ -100,6 +100,14 @@ struct Proxy : ShaderStage {
   // clang-format on
 };
 
+#define KELP_CAGED_ONLY
+struct CagedProxy : ShaderStage {
+// clang-format off
+#include "draw.vert"
+#include "undef.inl"
+  // clang-format on
+};
+
 #define KELP_SHEARED_ONLY
 #define KELP_SECONDARY_RAYS
 struct Sheared : ShaderStage {
@@ -116,9 +124,24 @@ struct Swept : ShaderStage {
 #include "undef.inl"
   // clang-format on
 };
+#define KELP_CAGED_ONLY
+#define KELP_SECONDARY_RAYS
+struct Caged : ShaderStage {
+// clang-format off
+#include "draw.frag"
+#include "undef.inl"
+  // clang-format on
+};
+#define KELP_SECONDARY_RAYS
+struct AnyBend : ShaderStage {
+// clang-format off
+#include "draw.frag"
+#include "undef.inl"
+  // clang-format on
+};
 #define KELP_DISTANCES
 #define KELP_SECONDARY_RAYS
-struct EitherBend : ShaderStage {
+struct ByDistances : ShaderStage {
 // clang-format off
 #include "draw.frag"
 #include "undef.inl"

@@ -36,6 +36,7 @@ class Streaming {
     for (const auto& [key, part] : places_)
       held_now_ += model_.expectContent(part, *packs_[static_cast<std::size_t>(key.first)]->whole);
     most_ = std::max(most_, held_now_.pages);
+    cages_ += held_now_.cages;
     dropped_ += held_now_.pages < held_;
     held_ = held_now_.pages;
     held_now_ = {};
@@ -62,7 +63,7 @@ class Streaming {
   }
 
   std::uint64_t bytes_ = 0;
-  int most_ = 0, dropped_ = 0;
+  int most_ = 0, cages_ = 0, dropped_ = 0;
   std::uint64_t early() const { return model_.earlyCopies(); }
 
  private:
@@ -95,6 +96,7 @@ TEST(UploadTest, ThePoolIsWhatItsTablesSayAndDrawsMayFinish) {
       EXPECT_GT(run.bytes_, 2 * kTinyPool);  // all was replaced
       EXPECT_GT(run.dropped_, 5);
       EXPECT_GT(run.most_, 5);
+      EXPECT_GT(run.cages_, 50);
       EXPECT_GT(run.early(), run.bytes_ / 4 / 20);  // not all copies wait for the last draw
     }
   }

@@ -165,7 +165,7 @@ TEST_P(MisuseTest, OfViews) {
   view.quality.pixels_per_voxel = std::nanf("");
   expectMisuseOf(view);
   view = good;
-  view.debug = static_cast<gl::DebugView>(6);
+  view.debug = static_cast<gl::DebugView>(7);
   expectMisuseOf(view);
 
   for (const Pixel& pixel : canvas.pixels()) ASSERT_EQ(pixel, Pixel{});

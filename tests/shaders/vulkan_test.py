@@ -15,7 +15,7 @@ import tempfile
 TOOLS = ("glslangValidator", "spirv-val", "spirv-cross")
 
 # These have nearly all of the text. Reading them again takes a second each.
-WHOLE = ("draw.vert", "draw_distances.frag", "fog_swept_heat_shadow.frag")
+WHOLE = ("draw.vert", "draw_caged.vert", "draw_distances.frag", "fog_swept_heat_shadow.frag")
 
 PLACES = ("-DKELP_SET=3", "-DKELP_BINDING_UNIFORMS=7", "-DKELP_BINDING_POOL=9", "-DKELP_BINDING_RECORDS=4",
           "-DKELP_BINDING_SCENE_DEPTH=12", "-DKELP_DEPTH_FIRST=0.25", "-DKELP_DEPTH_RANGE=0.5")

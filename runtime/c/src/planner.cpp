@@ -8,7 +8,7 @@
 namespace kelp::c {
 namespace {
 
-static_assert(KELP_PROGRAM_EITHER_BEND == static_cast<int>(draw::Program::kEitherBend) &&
+static_assert(KELP_PROGRAM_FOG_SHADOW == static_cast<int>(draw::Program::kFogShadow) &&
               KELP_PROGRAMS == draw::kPrograms && KELP_RECORD_WIDTH == draw::kRecordWidth);
 static_assert(KELP_DEPTH_COPIED == static_cast<int>(draw::Depth::kCopied) &&
               KELP_DIALECT_VULKAN == static_cast<int>(draw::Dialect::kVulkan));
@@ -38,7 +38,7 @@ kelp_result answerData(PlannerObject& object, const Result<draw::DrawData>& resu
   std::memcpy(&object.uniforms, &result->uniforms, sizeof object.uniforms);
   std::size_t count = 0;
   for (const draw::Call& call : result->calls)
-    object.calls[count++] = {static_cast<kelp_program>(call.program), call.first, call.count,
+    object.calls[count++] = {static_cast<kelp_program>(call.program), call.first, call.count, call.vertices,
                              call.copies_depth};
   kelp_draw_data out = {};
   out.call_count = static_cast<std::uint32_t>(count);

@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kPieces = 24;       // of a segment
 constexpr float kKnotPixels = 4;  // from the middle of a knot's mark to its corners
-constexpr std::size_t kBoxPoints = 24, kKnotPoints = 8, kSegmentPoints = 2 * kPieces;
+constexpr std::size_t kBoxPoints = 24, kKnotPoints = 8, kSegmentPoints = 2 * kPieces, kFacePoints = 4;
 // Linear; blue, green, red.
 constexpr std::uint32_t kBoxColor = 0x00a0ff, kEyeInBoxColor = 0x0000ff, kSplineColor = 0xff00c0,
-                        kKnotColor = 0x20ff40;
+                        kKnotColor = 0x20ff40, kCageColor = 0xffc020;
 
 glm::vec4 toClip(const RecordHead& part, const glm::vec3& at) {
   const glm::vec4 point(at, 1);
@@ -27,16 +27,26 @@ std::span<const Knot> knotsOf(const RecordHead& part, const runtime::Instance& i
   return instance.asset->pack().parts()[part.part].knots;
 }
 
+// The cage of the record; null: it has none.
+const Cage* cageOf(const RecordHead& record, const runtime::Instance& instance) {
+  if (!(record.segments & kCagedSpline) || record.segments >= kSweptSpline) return nullptr;
+  const auto& head = reinterpret_cast<const CageHead&>(*(&record + 1));
+  return &instance.asset->pack().parts()[record.part].cageOf(static_cast<int>(head.shape >> 16));
+}
+
 }  // namespace
 
 Result<void> DebugLines::build(const View& view, const DrawList& list,
                                std::span<const runtime::Instance> instances) {
-  const bool boxes = view.debug == DebugView::kBounds;
+  const bool boxes = view.debug == DebugView::kBounds, cages = view.debug == DebugView::kCages;
   std::size_t needed = 0;
   for (std::uint32_t i = 0; i < list.parts(); ++i) {
     const RecordHead& part = list.record(i);
     const std::size_t knots = knotsOf(part, instances[part.instance]).size();
-    needed += boxes ? kBoxPoints : kSegmentPoints * (knots - 1) + kKnotPoints * knots;
+    const Cage* const cage = cageOf(part, instances[part.instance]);
+    needed += boxes   ? kBoxPoints
+              : cages ? (cage ? kFacePoints * cage->faces() : 0)
+                      : kSegmentPoints * (knots - 1) + kKnotPoints * knots;
   }
   constexpr std::size_t kRow = kRecordWidth;
   count_ = 0;
@@ -44,7 +54,11 @@ Result<void> DebugLines::build(const View& view, const DrawList& list,
   const glm::vec2 pixel = 2.0f / glm::vec2(view.camera.viewport);  // clip space at w = 1
   for (std::uint32_t i = 0; i < list.parts(); ++i) {
     const RecordHead& part = list.record(i);
-    boxes ? addBox(part) : addSpline(part, knotsOf(part, instances[part.instance]), pixel);
+    const runtime::Instance& instance = instances[part.instance];
+    if (const Cage* const cage = cages ? cageOf(part, instance) : nullptr)
+      addCage(part, *cage);
+    else if (!cages)
+      boxes ? addBox(part) : addSpline(part, knotsOf(part, instance), pixel);
   }
   return {};
 }
@@ -68,6 +82,21 @@ void DebugLines::addBox(const RecordHead& part) {
     for (const unsigned axis : {1u, 2u, 4u}) {
       if (!(i & axis)) addLine(corner(i), corner(i | axis), part.outline ? kBoxColor : kEyeInBoxColor);
     }
+  }
+}
+
+// The edges of cells that bound the cage's faces, without the diagonals.
+void DebugLines::addCage(const RecordHead& part, const Cage& cage) {
+  const auto* const nodes = reinterpret_cast<const glm::vec4*>(&part + 1) + kCageHeadTexels;
+  for (std::uint32_t i = 0; i < cage.faces(); ++i) {
+    const std::uint32_t face = cage.face(i);
+    const std::uint32_t* const corners = cage.cell(face >> 5) + 2;
+    const int(&order)[4] = kCageTetrahedra[face >> 2 & 7].corners;
+    const int first = (face & 3) == 0 ? 1 : 0;
+    glm::vec4 at[3];
+    for (int k = 0; k < 3; ++k) at[k] = toClip(part, glm::vec3(nodes[corners[order[first + k]]]));
+    addLine(at[0], at[1], kCageColor);
+    addLine(at[1], at[2], kCageColor);
   }
 }
 

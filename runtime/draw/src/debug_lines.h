@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The lines of View::debug: the boxes of parts that are rasterized, or their splines and knots.
+// The lines of View::debug: the boxes of parts that are rasterized, their splines and knots, or their
+// cages.
 #pragma once
 
 #include <span>
@@ -21,6 +22,7 @@ class DebugLines {
 
  private:
   void addBox(const RecordHead& part);
+  void addCage(const RecordHead& part, const Cage& cage);
   void addSpline(const RecordHead& part, std::span<const Knot> knots, const glm::vec2& pixel);
   void addLine(const glm::vec4& from, const glm::vec4& to, std::uint32_t color);
 

@@ -16,8 +16,6 @@
 namespace kelp::draw {
 namespace {
 
-constexpr std::size_t kHeadTexels = sizeof(RecordHead) / sizeof(glm::uvec4);  // of a record
-
 constexpr Error kUnknownAsset{ErrorCode::kMisuse, "an instance's asset was not added"};
 constexpr Error kGoneAsset{ErrorCode::kMisuse, "an instance's asset was destroyed"};
 constexpr Error kForeignPose{ErrorCode::kMisuse, "an instance's pose belongs to another asset"};
@@ -67,43 +65,27 @@ bool moves(const runtime::Pose& pose, std::span<const Part> parts, int part) {
 }
 constexpr glm::mat4x3 kSame(1);
 
-// Puts world -> part space in place of part -> clip space.
-void worldToPart(RecordHead& head) {
-  const glm::vec4(&rows)[3] = head.to_world;
-  const glm::dmat4 inverse = glm::inverse(glm::transpose(
-      glm::dmat4(glm::dvec4(rows[0]), glm::dvec4(rows[1]), glm::dvec4(rows[2]), glm::dvec4(0, 0, 0, 1))));
-  const glm::mat4 inverse_rows(glm::transpose(inverse));
-  for (int row = 0; row < 4; ++row) head.to_clip[row] = inverse_rows[row];
-}
-
-// Ascends with a number, whatever its sign, below kSweptLast.
-std::uint32_t ascending(float number) {
-  std::uint32_t bits;
-  std::memcpy(&bits, &number, sizeof bits);
-  return (bits >> 31 ? ~bits : bits | 0x80000000u) >> 2;
-}
-
-// How far along the view's direction a part's bounds begin, for orthographic views, where clip w is constant.
-float alongView(const glm::dvec4& direction, const RecordHead& head) {
-  glm::vec4 along(0);
-  for (int row = 0; row < 3; ++row) along += static_cast<float>(direction[row]) * head.to_world[row];
-  const glm::vec3 slope(along), middle = 0.5f * (head.low + head.high);
-  return glm::dot(slope, middle) + along.w - glm::dot(glm::abs(slope), head.high - middle);
+// Of a part that is not drawn in this pass.
+Result<void> checkPart(const runtime::Instance& instance, int part, std::span<const Knot> knots) {
+  if (!instance.pose) return {};
+  const Part& packed = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
+  if (packed.cages.empty())
+    return checkRig(packed.bend, knots, packed.size, rollOf(packed, instance.pose, part));
+  const auto posed = runtime::posedCage(instance, part, static_cast<int>(packed.cages.size()) - 1);
+  return posed ? Result<void>() : Result<void>(posed.error());
 }
 
 }  // namespace
 
 Result<void> DrawList::build(Residency& store, const Projection& projection, const View& view,
-                             std::span<const runtime::Instance> instances, PartKind kind, Rays rays) {
-  const Frame frame{projection,
-                    view,
-                    kind,
-                    rays,
-                    store.uploaded(),
-                    kind == PartKind::kSolid && usesDistances(view.quality)};
+                             std::span<const runtime::Instance> instances, PartKind kind, Rays rays,
+                             bool boxes) {
+  const Frame frame{
+      projection, view, kind, rays, store.uploaded(), kind == PartKind::kSolid && usesDistances(view.quality),
+      boxes};
   waiting_ = 0;
   ring_ = {};
-  count_ = sheared_ = 0;
+  count_ = 0;
   texels_ = 0;
   rows_ = 0;
   clamped_count_ = culled_ = too_small_ = parts_waiting_ = other_kind_ = 0;
@@ -122,7 +104,7 @@ Result<void> DrawList::build(Residency& store, const Projection& projection, con
     if (instance) error = addInstance(frame, *asset, *instance, static_cast<std::uint32_t>(i));
   }
   if (error && error->code == ErrorCode::kMisuse) {
-    count_ = sheared_ = 0;
+    count_ = 0;
     return Error{error->code, error->detail, i - 1, Error::Unit::kInstance};
   }
   if (!error) error = addBlock(frame);
@@ -131,7 +113,7 @@ Result<void> DrawList::build(Residency& store, const Projection& projection, con
     error = writePalettes();
   }
   if (!error) return writeOrder(kind);
-  count_ = sheared_ = 0;
+  count_ = 0;
   return *error;
 }
 
@@ -158,9 +140,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     }
     if (parts[part].kind != frame.kind) {
       // An instance is drawn with all its parts, of either kind, or not at all.
-      const float roll = rollOf(parts[part], instance.pose, static_cast<int>(part));
-      const Result<void> good =
-          instance.pose ? checkRig(parts[part].bend, knots, parts[part].size, roll) : Result<void>();
+      const Result<void> good = checkPart(instance, static_cast<int>(part), knots);
       const char* const why = !good                                   ? good.error().detail
                               : !isAffine(instance.to_world)          ? kBadMatrix
                               : is_moving && !isAffine(worlds_[part]) ? kBadMotion
@@ -185,6 +165,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     candidate.sound = true;
     candidate.roll = rollOf(parts[part], instance.pose, static_cast<int>(part));
     candidate.arcs = 0;
+    candidate.cages = 0;
     PosedParts& posed = posed_[i / 8];
     const std::size_t k = i % 8;
     posed.knots[k] = knots;
@@ -214,11 +195,12 @@ const Error* DrawList::addBlock(const Frame& frame) {
     posed_[i / 8].repeat(i % 8);  // pad the last group to eight
   const auto countOf = [count](std::size_t eight) { return std::min<std::size_t>(count - 8 * eight, 8); };
   std::size_t segments = 0;
-  arc_texels_ = 0;
+  arc_texels_ = cage_texels_ = 0;
   for (std::size_t i = 0; i < eights; ++i) {
     for (const std::span<const Knot>& knots : posed_[i].knots) segments += knots.size() - 1;
     if (const Error* const error = boundEight(i, countOf(i))) return error;
     if (const Error* const error = boundSwept(frame, i, countOf(i))) return error;
+    if (const Error* const error = boundCaged(frame, i, countOf(i))) return error;
   }
   for (std::size_t i = 0; i < eights; ++i) {
     if (const Error* const error = place(frame, i, countOf(i))) return error;
@@ -227,8 +209,9 @@ const Error* DrawList::addBlock(const Frame& frame) {
   // Parts that stood otherwise in the frame before may have had more arcs.
   const std::size_t before = arc_texels_ > 0 && frame.movesPictures() ? count * (arcTexels(kMaxArcs) + 1) : 0;
   // One texel more, because writeSegments writes one number too many.
-  if (!order_.grow(count_ + count) || !records_.grow(texels_ + count * (kHeadTexels + kMotionTexels + 1) +
-                                                     2 * 3 * segments + arc_texels_ + before + 1))
+  if (!order_.grow(count_ + 2 * count) ||
+      !records_.grow(texels_ + count * (kHeadTexels + kMotionTexels + 1) + 2 * 3 * segments + arc_texels_ +
+                     cage_texels_ + before + 1))
     return &kNoMemoryForFrame;
   for (std::size_t i = 0; i < eights; ++i) write(frame, i, countOf(i));
   return nullptr;
@@ -265,11 +248,12 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
     const bool is_seen = judged.seen >> k & 1;
     candidate.drawn = candidate.recorded = false;
     if (!candidate.sound) continue;
-    const Detail wanted = Detail::of(judged.level.of[k]);
+    const Detail wanted = Detail::of(candidate.cages > 0 ? candidate.level : judged.level.of[k]);
     if (placed_[eight].invertible >> k & 1)
       Residency::want(resident, wanted.level, std::min(judged.pixels.of[k], 1e4f));
     candidate.coarse = wanted.level < resident.finest;
     candidate.detail = candidate.coarse ? Detail{resident.finest, 0} : wanted;
+    if (candidate.cages > 0) chooseCages(candidate);
     candidate.drawn = is_seen && resident.finest != resident.levels;
     candidate.recorded = candidate.drawn || (frame.rings && candidate.asset->packed.size() > 1 &&
                                              (placed_[eight].invertible >> k & 1));
@@ -279,116 +263,6 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
     ++parts_waiting_;
     tellWaiting(*candidate.asset, frame.uploaded);
   }
-}
-
-void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
-  const PosedParts& posed = posed_[eight];
-  const bool motion = frame.movesPictures();
-  RecordHead unused;
-  RecordHead* heads[8];
-  // Segments first, because each overwrites what follows it.
-  glm::uvec4* const begin = &records_[texels_];
-  glm::uvec4* out = begin;
-  for (std::size_t k = 0; k < 8; ++k) {
-    const Candidate& candidate = block_[8 * eight + k];
-    heads[k] = &unused;
-    if (k >= count || !candidate.recorded) continue;
-    heads[k] = reinterpret_cast<RecordHead*>(out);
-    const auto record = static_cast<std::uint32_t>(out - records_.data());
-    out += kHeadTexels;
-    if (candidate.arcs > 0) {
-      std::copy_n(&arcs_[candidate.arcs_at], arcTexels(candidate.arcs), out);
-      out += arcTexels(candidate.arcs);
-    } else {
-      out = writeSegments(out, posed.knots[k], posed.extents[k]->y);
-    }
-    if (motion)
-      out = writeMotion(*frame.view.camera.previous_world_to_clip, *candidate.instance, candidate.part,
-                        candidate.tolerance, chain_, out);
-    if (frame.rings) link(candidate, record, static_cast<std::size_t>(out++ - records_.data()));
-  }
-  if (out == begin) return;
-  texels_ += static_cast<std::size_t>(out - begin);
-  writeHeads(frame.projection, placed_[eight], heads);
-  std::uint32_t outlines[8] = {};
-  if (frame.rays == Rays::kView) outlineParts(frame.projection.eye.w == 0, placed_[eight], outlines);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (heads[k] == &unused) continue;
-    const std::uint32_t arcs = block_[8 * eight + k].arcs;
-    heads[k]->segments =
-        arcs > 0 ? kSweptSpline | arcs : static_cast<std::uint32_t>(posed.knots[k].size() - 1);
-    heads[k]->outline = outlines[k];
-    finish(frame, block_[8 * eight + k], placed_[eight].nearest.of[k], *heads[k]);
-  }
-}
-
-// Makes a record the last one of its instance's ring. `place`: where it leads on.
-void DrawList::link(const Candidate& candidate, std::uint32_t record, std::size_t place) {
-  if (ring_.instance == candidate.index)
-    records_[ring_.last] = glm::uvec4(record, 0, 0, 0);
-  else
-    ring_ = {candidate.index, record, place};
-  records_[place] = glm::uvec4(ring_.first, 0, 0, 0);
-  ring_.last = place;
-}
-
-void DrawList::finish(const Frame& frame, const Candidate& candidate, float nearest, RecordHead& head) {
-  const ResidentAsset& asset = *candidate.asset;
-  const ResidentPart& resident = *candidate.resident;
-  const bool fog = frame.kind == PartKind::kFog, swept = candidate.arcs > 0;
-  if (fog && asset.packed[candidate.part].fog->channels() > 1) has_heat_[swept] = true;
-
-  if (candidate.drawn) {
-    Ordered& ordered = order_[count_++];
-    ordered.key = ascending(frame.projection.eye.w == 0 ? alongView(frame.projection.eye, head)
-                                                        : std::max(nearest, 0.0f));
-    if (fog) ordered.key &= ~kSweptFog;
-    if (swept) ordered.key |= fog ? kSweptFog : kSweptLast;
-    if (!swept) ++sheared_;
-    ordered.texel = static_cast<std::uint32_t>(reinterpret_cast<glm::uvec4*>(&head) - records_.data());
-  }
-
-  const bool any = frame.rays == Rays::kAny;
-  if (any) worldToPart(head);
-  head.tint = candidate.instance->tint;
-  head.levels_at = asset.palette() + resident.table;
-  head.detail = static_cast<std::uint32_t>(candidate.detail.level |
-                                           (any ? 0 : candidate.detail.coarser | candidate.coarse << 7) << 8 |
-                                           resident.levels << 16 | resident.distances << 24);
-  head.palette = candidate.palette;
-  head.instance = candidate.index;
-  head.part = candidate.part;
-}
-
-// Sorts the parts, and writes the numbers of their records after the records. The order of solids serves
-// speed only, and that of fog need only separate visibly different depths. So 15 bits of the depths'
-// fractions are enough: three rounds of a stable radix sort.
-Result<void> DrawList::writeOrder(PartKind kind) {
-  if (count_ == 0) return {};
-  rows_ = (texels_ + (count_ + 3) / 4 + kRecordWidth - 1) / kRecordWidth;
-  if (!records_.grow(rows_ * kRecordWidth) || !sorted_.grow(count_)) return kNoMemoryForFrame;
-  constexpr int kRounds = 3, kLowestBit = 7;
-  constexpr std::uint32_t kBuckets = 256;
-  const auto bucketOf = [](std::uint32_t key, int round) {
-    return key >> (kLowestBit + 8 * round) & (kBuckets - 1);
-  };
-  std::uint32_t starts[kRounds][kBuckets] = {};
-  for (std::size_t i = 0; i < count_; ++i) {
-    for (int round = 0; round < kRounds; ++round) ++starts[round][bucketOf(order_[i].key, round)];
-  }
-  for (auto& of_round : starts) {
-    std::uint32_t sum = 0;
-    for (std::uint32_t& start : of_round) sum += std::exchange(start, sum);
-  }
-  for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t i = 0; i < count_; ++i)
-      sorted_[starts[round][bucketOf(order_[i].key, round)]++] = order_[i];
-    std::swap(order_, sorted_);
-  }
-  std::uint32_t* const numbers = reinterpret_cast<std::uint32_t*>(&records_[texels_]);
-  for (std::size_t i = 0; i < count_; ++i)
-    numbers[i] = order_[kind == PartKind::kFog ? count_ - 1 - i : i].texel;
-  return {};
 }
 
 }  // namespace kelp::draw

@@ -6,6 +6,7 @@
 
 #include "kelp/formats/sweep.h"
 #include "placing.h"
+#include "record_cage.h"
 #include "residency.h"
 
 namespace kelp::draw {
@@ -14,9 +15,12 @@ inline constexpr Error kNoMemoryForFrame{ErrorCode::kOutOfMemory, "no memory for
 // A record's palette is that of its instance, and lies among the records.
 inline constexpr std::uint32_t kOwnPalette = 0x80000000u;
 
-// In the key of a part's order. Solids: swept ones come last. Fog keeps its order; the bit is below those
-// that are compared.
-inline constexpr std::uint32_t kSweptLast = 1u << 30, kSweptFog = 1;
+// The kinds of calls that draw solid parts, in their order: the highest bits of keys. kTraced: parts with
+// cages that are drawn by their bounds.
+enum class Way : std::uint32_t { kSheared, kSwept, kCaged, kTraced };
+inline constexpr std::uint32_t kWays = 4;
+// Bits of keys below those that are compared. kSecond: the record of a part with the second of its cages.
+inline constexpr std::uint32_t kSweptFog = 1, kSecond = 2;
 
 // Reused from frame to frame; allocates only to grow.
 class DrawList {
@@ -33,14 +37,19 @@ class DrawList {
         palettes_(allocator) {}
 
   // Lists the parts of one kind, and tells `store` which levels are wanted. Instances that cannot be drawn
-  // are left out. kMisuse for one that the caller should not have passed; then nothing is listed.
+  // are left out. kMisuse for one that the caller should not have passed; then nothing is listed. boxes: all
+  // parts are drawn by their bounds.
   Result<void> build(Residency& store, const Projection& projection, const View& view,
-                     std::span<const runtime::Instance> instances, PartKind kind = PartKind::kSolid,
-                     Rays rays = Rays::kView);
+                     std::span<const runtime::Instance> instances, PartKind kind, Rays rays, bool boxes);
 
-  // Parts to draw, in order. Of solids: the sheared ones, then the swept ones.
+  // Records to draw, in order: one for each part, two for one that is drawn through two cages.
   std::uint32_t parts() const { return static_cast<std::uint32_t>(count_); }
-  std::uint32_t sheared() const { return static_cast<std::uint32_t>(sheared_); }
+  // Of solids: the place of the first that is drawn so, or in a later way.
+  std::uint32_t begin(Way way) const { return begins_[static_cast<std::size_t>(way)]; }
+  // Faces of the cage of the part at this place, which has one.
+  std::uint32_t faces(std::uint32_t place) const {
+    return reinterpret_cast<const CageHead&>(records_[order_[place].texel + kHeadTexels]).faces;
+  }
   // Rows of kRecordWidth texels.
   std::span<const glm::uvec4> records() const { return records_.span().first(rows_ * kRecordWidth); }
   // Where the numbers of the parts' records begin, four to a texel.
@@ -68,6 +77,11 @@ class DrawList {
     Rays rays;
     bool uploaded;  // the renderer has uploaded before
     bool rings;     // whether records lead to those of their instance's other parts
+    bool boxes;     // all parts are drawn by their bounds
+    // True if rays other than those that draw a part may meet its cage.
+    bool hasTrees() const {
+      return boxes || rays == Rays::kAny || view.quality.self_shadow || view.quality.occlusion_rays > 0;
+    }
     // True if records say where the parts were in the frame before.
     bool movesPictures() const { return rays == Rays::kView && view.camera.previous_world_to_clip; }
   };
@@ -88,7 +102,12 @@ class DrawList {
     float roll;
     float tolerance;      // of its arcs
     std::size_t arcs_at;  // in arcs_
-    std::uint32_t arcs;   // how many; 0: it is sheared
+    std::uint32_t arcs;   // how many; 0: it is no swept one
+    // Of a part with cages: which it is drawn through, how many (0: it has none), and these as they are
+    // posed.
+    int cage, cages;
+    float level;  // as Detail::of, by where its finest cage is
+    runtime::PosedCage posed[2];
   };
   // The materials of an instance, which follow the records.
   struct Palette {
@@ -106,6 +125,9 @@ class DrawList {
   const Error* boundEight(std::size_t eight, std::size_t count);
   const Error* boundSwept(const Frame& frame, std::size_t eight, std::size_t count);
   const Error* listArcs(std::size_t eight, std::size_t k, float level);
+  const Error* boundCaged(const Frame& frame, std::size_t eight, std::size_t count);
+  const Error* poseCages(std::size_t eight, std::size_t k, const CageChoice& choice);
+  static void chooseCages(Candidate& candidate);
   const Error* place(const Frame& frame, std::size_t eight, std::size_t count);
   const Error* leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why);
   const runtime::Instance* clampIfUnsound(const Frame& frame, const runtime::Instance& instance,
@@ -114,11 +136,15 @@ class DrawList {
   const Error* addPalette(std::span<const Material> materials, std::uint32_t& word);
   const Error* writePalettes();
   void dropLeftOut();
+  std::uint32_t texelOf(const RecordHead& head) const;
   void link(const Candidate& candidate, std::uint32_t record, std::size_t place);
   void choose(const Frame& frame, std::size_t eight, std::size_t count);
   void write(const Frame& frame, std::size_t eight, std::size_t count);
+  glm::uvec4* writeSpline(const Frame& frame, const Candidate& candidate, const PosedParts& posed,
+                          std::size_t k, int which, bool traced, glm::uvec4* out);
   // Writes what is not computed in lanes.
-  void finish(const Frame& frame, const Candidate& candidate, float nearest, RecordHead& head);
+  void finish(const Frame& frame, const Candidate& candidate, Way way, float nearest, RecordHead& head);
+  void addSecond(const Candidate& candidate, const RecordHead& first, RecordHead& second);
   Result<void> writeOrder(PartKind kind);
 
   Candidate block_[kBlock]{};  // the first waiting_
@@ -134,7 +160,9 @@ class DrawList {
   Buffer<glm::uvec4> records_;  // the first texels_
   Buffer<glm::uvec4> arcs_;     // of the block's swept parts, as in the records; the first arc_texels_
   std::size_t arc_texels_ = 0;
-  std::size_t count_ = 0, sheared_ = 0;
+  std::size_t cage_texels_ = 0;  // that records of the block's parts with cages may take
+  std::size_t count_ = 0;
+  std::uint32_t begins_[kWays + 1] = {}, seconds_ = 0;
   std::size_t texels_ = 0;
   std::size_t rows_ = 0;
   // The ring of records that is being made: its instance, its first record, where its last record leads on.

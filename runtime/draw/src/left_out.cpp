@@ -10,7 +10,7 @@
 namespace kelp::draw {
 
 void DrawList::count(Stats& stats) const {
-  stats.instances = parts();
+  stats.instances = parts() - seconds_;
   stats.culled = culled_;
   stats.too_small = too_small_;
   stats.waiting = parts_waiting_;
@@ -90,7 +90,7 @@ const Error* DrawList::boundEight(std::size_t eight, std::size_t count) {
   for (std::size_t k = 0; k < 8; ++k) {
     Candidate& candidate = block_[8 * eight + std::min(k, count - 1)];
     const Part& part = candidate.asset->packed[candidate.part];
-    if (part.bend == Bend::kSweep || (good >> k & 1)) continue;
+    if (part.bend == Bend::kSweep || !part.cages.empty() || (good >> k & 1)) continue;
     again = true;
     if (k >= count) {  // copies of the one before
       posed.knots[k] = posed.knots[k - 1];
@@ -114,7 +114,7 @@ const Error* DrawList::boundSwept(const Frame& frame, std::size_t eight, std::si
   };
   unsigned swept = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    if (partOf(k).bend != Bend::kSweep) continue;
+    if (partOf(k).bend != Bend::kSweep || !partOf(k).cages.empty()) continue;
     swept |= 1u << k;
     setBounds(boxOfKnots(posed_[eight].knots[k], partOf(k).size), posed_[eight], k, placed_[eight]);
   }
@@ -162,8 +162,6 @@ void DrawList::dropLeftOut() {
   };
   const auto end = std::remove_if(order_.begin(), order_.begin() + count_, gone);
   count_ = static_cast<std::size_t>(end - order_.begin());
-  sheared_ = static_cast<std::size_t>(
-      std::count_if(order_.begin(), end, [](const Ordered& ordered) { return ordered.key < kSweptLast; }));
 }
 
 }  // namespace kelp::draw

@@ -23,7 +23,7 @@ struct RecordHead {
   glm::vec4 eye;          // part space; w as in Projection
   glm::vec4 tint;
   glm::vec3 low;           // of the deformed bounds
-  std::uint32_t segments;  // or arcs, and kSweptSpline
+  std::uint32_t segments;  // or arcs, and kSweptSpline; or nodes, and kCagedSpline
   glm::vec3 high;
   std::uint32_t levels_at;
   glm::vec3 size;
@@ -31,6 +31,7 @@ struct RecordHead {
   std::uint32_t palette, instance, part, outline;
 };
 static_assert(sizeof(RecordHead) == 13 * 16);
+inline constexpr std::size_t kHeadTexels = 13;
 inline constexpr std::uint32_t kSweptSpline = 0x80000000u;
 
 // Eight parts as the host poses them. The pointers must be valid while this is used.

@@ -68,6 +68,7 @@ struct Planner::Impl {
   }
   Result<DrawData> build(const View& view, runtime::Instances instances, Pass pass, Depth depth, Rays rays);
   Result<std::size_t> listSolids(Depth depth, int batches, bool debug);
+  void takeRun(Call& call) const;
   Result<std::size_t> listFog(Depth depth, bool shadow, bool debug);
 };
 
@@ -85,7 +86,9 @@ Result<DrawData> Planner::Impl::build(const View& view, runtime::Instances insta
   const auto projection = makeProjection(view);
   if (!projection) return projection.error();
   const PartKind kind = pass == Pass::kFog ? PartKind::kFog : PartKind::kSolid;
-  if (auto good = list.build(store, *projection, view, instances, kind, rays); !good) return good.error();
+  const bool boxes = replacesColors(view.debug) || has(features, Features::kDistances);
+  if (auto good = list.build(store, *projection, view, instances, kind, rays, boxes); !good)
+    return good.error();
   list.count(data.stats);
   data.frame = store.pool().frame();
   data.uniforms.first_instance = static_cast<std::int32_t>(list.firstNumber());
@@ -93,29 +96,53 @@ Result<DrawData> Planner::Impl::build(const View& view, runtime::Instances insta
   return data;
 }
 
-// Near to far, in batches of equal size; sheared parts first. If any call copies the depth, the first does.
+// Near to far, in batches of equal size; each way to draw by itself. If any call copies the depth, the first
+// does.
 Result<std::size_t> Planner::Impl::listSolids(Depth depth, int batches, bool debug) {
   const std::uint32_t all = list.parts();
   const std::uint32_t most = depth == Depth::kCopied ? std::min(static_cast<std::uint32_t>(batches), all) : 1;
-  if (!calls.grow(2 * most + 1)) return kNoMemoryForFrame;
+  // Each part with a cage may need a call, and then there are lines.
+  if (!calls.grow(kWays * most + list.begin(Way::kTraced) - list.begin(Way::kCaged) + 1))
+    return kNoMemoryForFrame;
   std::size_t count = 0;
   const auto add = [&](Program program, std::uint32_t begin, std::uint32_t end) {
     const std::uint64_t parts = end - begin;
     const std::uint32_t some = std::min(most, end - begin);
     for (std::uint32_t batch = 0; batch < some; ++batch) {
-      const auto first = static_cast<std::uint32_t>(begin + parts * batch / some),
-                 last = static_cast<std::uint32_t>(begin + parts * (batch + 1) / some);
-      calls[count] = {program, first, last - first, most > 1 && (some > 1 || count == 0)};
-      ++count;
+      auto first = static_cast<std::uint32_t>(begin + parts * batch / some);
+      const auto last = static_cast<std::uint32_t>(begin + parts * (batch + 1) / some);
+      bool copies = most > 1 && (some > 1 || count == 0);
+      while (first < last) {
+        calls[count] = {program, first, last - first, 6, copies};
+        if (program == Program::kCaged) takeRun(calls[count]);
+        first += calls[count++].count;
+        copies = false;
+      }
     }
   };
   if (debug || has(features, Features::kDistances)) {
-    add(debug ? Program::kDebug | Program::kEitherBend : Program::kEitherBend, 0, all);
+    add(debug ? Program::kDebug | Program::kAnyBend : Program::kAnyBend, 0, all);
   } else {
-    add(Program::kSheared, 0, list.sheared());
-    add(Program::kSwept, list.sheared(), all);
+    add(Program::kSheared, 0, list.begin(Way::kSwept));
+    add(Program::kSwept, list.begin(Way::kSwept), list.begin(Way::kCaged));
+    add(Program::kCaged, list.begin(Way::kCaged), list.begin(Way::kTraced));
+    add(Program::kAnyBend, list.begin(Way::kTraced), all);
   }
   return count;
+}
+
+// Shortens a call for cages to instances whose vertices are half of what it draws, or more.
+void Planner::Impl::takeRun(Call& call) const {
+  std::uint64_t sum = 0, most = 0;
+  std::uint32_t count = 0;
+  for (; count < call.count; ++count) {
+    const std::uint64_t faces = list.faces(call.first + count), greatest = std::max(most, faces);
+    if (greatest * (count + 1) > 2 * (sum + faces)) break;
+    sum += faces;
+    most = greatest;
+  }
+  call.count = count;
+  call.vertices = static_cast<std::uint32_t>(3 * most);
 }
 
 // Far to near: as many as follow each other and bend alike in one call.
@@ -130,7 +157,7 @@ Result<std::size_t> Planner::Impl::listFog(Depth depth, bool shadow, bool debug)
         Program::kFog | bit(bend == Bend::kSweep, Program::kSwept) |
         (debug ? Program::kDebug
                : bit(list.hasHeat(bend), Program::kFogHeat) | bit(shadow, Program::kFogShadow));
-    calls[count] = {program, begin, end - begin, depth == Depth::kCopied && count == 0};
+    calls[count] = {program, begin, end - begin, 6, depth == Depth::kCopied && count == 0};
     ++count;
   }
   return count;
@@ -158,10 +185,12 @@ std::uint32_t Planner::programs(const runtime::Asset& asset) const {
   std::uint32_t set = 0;
   const auto add = [&set](Program program) { set |= 1u << static_cast<int>(program); };
   const bool distances = has(impl_->features, Features::kDistances);
-  add(distances ? Program::kEitherBend : Program::kSheared);
+  add(distances ? Program::kAnyBend : Program::kSheared);
   for (const Part& part : asset.pack().parts()) {
     const Program bend = part.bend == Bend::kSweep ? Program::kSwept : Program::kSheared;
-    if (part.kind == PartKind::kSolid && !distances) add(bend);
+    const bool caged = !part.cages.empty();
+    if (part.kind == PartKind::kSolid && !distances) add(caged ? Program::kCaged : bend);
+    if (caged) add(Program::kAnyBend);
     if (!part.fog) continue;
     const Program fog =
         Program::kFog | bend | (part.fog->channels() > 1 ? Program::kFogHeat : Program::kSheared);
@@ -208,7 +237,7 @@ Result<DrawData> Planner::draw(const View& view, runtime::Instances instances, P
   if (view.debug > DebugView::kLevels && pass != Pass::kDepth) {
     if (auto good = self.lines.build(view, self.list, instances); !good) return good.error();
     data->lines = self.lines.records();
-    self.calls[count++] = {Program::kLines, 0, self.lines.points()};
+    if (self.lines.points() > 0) self.calls[count++] = {Program::kLines, 0, 1, self.lines.points()};
   }
   data->calls = self.calls.span().first(count);
   data->stats.draws = static_cast<std::uint32_t>(count);

@@ -47,8 +47,12 @@ void addFeatures(ShaderText& to, Features features) {
 ProgramText programText(Program program, Dialect dialect, Features features, const char* surface) {
   const auto is = [program](Program bit) { return has(program, bit); };
   const bool fog = is(Program::kFog), debug = is(Program::kDebug), lines = is(Program::kLines);
+  constexpr const char* kOnly[] = {"#define KELP_SHEARED_ONLY\n", "#define KELP_SWEPT_ONLY\n",
+                                   "#define KELP_CAGED_ONLY\n"};
+  const auto bend = static_cast<std::size_t>(bendOf(program));
   ProgramText text;
   add(text.vertex, preludeOf(dialect));
+  addIf(text.vertex, bendOf(program) == Program::kCaged, kOnly[bend]);
   addPieces(text.vertex, lines ? std::span(shaders::kLineVertex) : std::span(shaders::kVertex));
   add(text.fragment, preludeOf(dialect));
   if (lines) {
@@ -62,8 +66,7 @@ ProgramText programText(Program program, Dialect dialect, Features features, con
     addIf(text.fragment, surface != nullptr, "#define KELP_HOST_SURFACE\n");
     addFeatures(text.fragment, features);
   }
-  if (!is(Program::kEitherBend))
-    add(text.fragment, is(Program::kSwept) ? "#define KELP_SWEPT_ONLY\n" : "#define KELP_SHEARED_ONLY\n");
+  addIf(text.fragment, bendOf(program) != Program::kAnyBend, kOnly[bend % 3]);
   addPieces(text.fragment, fog ? std::span(shaders::kFogFragment) : std::span(shaders::kFragment), surface);
   return text;
 }

@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 
 #include "placing.h"
+#include "record_cage.h"
 
 namespace kelp::draw {
 namespace {
@@ -45,22 +46,30 @@ glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots, float he
 }
 
 glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance,
-                        std::uint32_t part, float tolerance, ArcChain& scratch, glm::uvec4* out) {
+                        std::uint32_t part, float tolerance, int cage, ArcChain& scratch, glm::uvec4* out) {
   const int index = static_cast<int>(part);
   const Part& packed = instance.asset->pack().parts()[part];
-  const bool swept = packed.bend == Bend::kSweep;
+  const bool caged = !packed.cages.empty(), swept = !caged && packed.bend == Bend::kSweep;
   runtime::Instance before = instance;
   // A pose that could not be drawn was not seen in the frame before: then the part stands still.
-  if (instance.previous_pose && (swept ? makeChain(packed, instance.previous_pose, index, tolerance, scratch)
-                                       : bool(checkKnots(instance.previous_pose->knots(index)))))
+  if (instance.previous_pose) {
     before.pose = instance.previous_pose;
-  else if (swept)
+    const bool good = caged   ? bool(runtime::posedCage(before, index, cage))
+                      : swept ? makeChain(packed, before.pose, index, tolerance, scratch)
+                              : bool(checkKnots(before.pose->knots(index)));
+    if (!good) before.pose = instance.pose;
+  }
+  if (swept && before.pose == instance.pose)
     (void)makeChain(packed, instance.pose, index, tolerance, scratch);
   if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
   const glm::mat4 rows(
       glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(*runtime::partToWorld(before, index))));
   std::memcpy(static_cast<void*>(out), &rows, sizeof rows);
   out += kMotionTexels;
+  if (caged) {
+    const auto posed = runtime::posedCage(before, index, cage);
+    return writeNodes(posed ? posed->nodes : std::span<const glm::vec3>(), out);
+  }
   if (swept) {
     *out++ = glm::uvec4(static_cast<std::uint32_t>(scratch.count), 0, 0, 0);
     writeArcs(out, scratch);

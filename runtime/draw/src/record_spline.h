@@ -27,9 +27,10 @@ inline void writeArcs(glm::uvec4* out, const ArcChain& chain) {
 // As makeSegment. Writes one number too many, which the next write covers.
 glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots, float height);
 // Where a part was in the frame before: 4 texels as RecordHead::to_clip, and the segments; of a swept part,
-// the number of its arcs, and these, made with `tolerance`. `scratch`: for arcs.
+// the number of its arcs, and these, made with `tolerance`; of one with cages, the nodes of the one with the
+// number `cage`. `scratch`: for arcs.
 glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance,
-                        std::uint32_t part, float tolerance, ArcChain& scratch, glm::uvec4* out);
+                        std::uint32_t part, float tolerance, int cage, ArcChain& scratch, glm::uvec4* out);
 
 // About where a swept part is: enough to tell at which level it is drawn. Part space.
 Box boxOfKnots(std::span<const Knot> knots, const glm::ivec3& size);

@@ -189,7 +189,8 @@ Result<void> Residency::prioritize() {
 bool Residency::advance(ResidentLevel& level) {
   const runtime::Asset& asset = *level.asset->asset;
   const runtime::Level* const data = level.content();
-  const std::uint32_t grid_rows = Pool::rowsFor(data ? gridWords(*data) : cellCount(level.grid));
+  const std::uint32_t grid_rows =
+      Pool::rowsFor(data ? gridWords(*data, level.cage) : cellCount(level.grid) + level.cage.size());
   // A coarsest level must fit as a whole; otherwise its grid would only take room.
   std::uint64_t least_rows = grid_rows;
   if (level.worth.priority() == kPinned && data) {

@@ -36,7 +36,11 @@ void Residency::changeTable(ResidentLevel& level) {
   ResidentPart& part = level.asset->parts[static_cast<std::size_t>(level.id.part)];
   part.finest = part.levels;
   if (!level.asset->level(part, part.levels - 1).complete()) return;
-  while (part.finest > 0 && level.asset->level(part, part.finest - 1).grid_row != 0) --part.finest;
+  while (part.finest > 0) {
+    const ResidentLevel& finer = level.asset->level(part, part.finest - 1);
+    if (finer.grid_row == 0 || !(finer.cage.empty() || finer.complete())) break;
+    --part.finest;
+  }
 }
 
 std::uint64_t Residency::addressOf(const Change& change) const {
@@ -171,20 +175,24 @@ bool Residency::proceed() {
   };
   if (transfer_.page == Pool::Block::kGrid) {
     const runtime::Level& data = *level.content();
-    const std::uint64_t all = gridWords(data), cells = data.cells.size();
+    // The cells, then the page table, then the cage.
+    const std::uint64_t all = gridWords(data, level.cage), cells = data.cells.size(),
+                        table_end = all - level.cage.size();
     std::uint64_t done = words;
-    if (transfer_.done < cells) {
-      if (!reserve(2, kTableWords)) return false;
-      const std::span<const std::uint32_t> piece = some(data.cells, transfer_.done);
-      copy(address, piece, transfer_.frame);
-      done = piece.size();
-    } else {
-      done = std::min(done, all - transfer_.done);
+    if (transfer_.done >= cells && transfer_.done < table_end) {
+      done = std::min(done, table_end - transfer_.done);
       if (!reserve(2, done + kTableWords)) return false;
       change(level, static_cast<std::uint32_t>(transfer_.done - cells), static_cast<std::uint32_t>(done));
+    } else {
+      if (!reserve(2, kTableWords)) return false;
+      const std::span<const std::uint32_t> piece = transfer_.done < cells
+                                                       ? some(data.cells, transfer_.done)
+                                                       : some(level.cage, transfer_.done - table_end);
+      copy(address, piece, transfer_.frame);
+      done = piece.size();
     }
     transfer_.done += done;
-    if (transfer_.done < all) return transfer_.done == cells && words > done && proceed();
+    if (transfer_.done < all) return words > done && proceed();
   } else {
     if (!reserve(2, 1 + kTableWords) || !pins_.grow(pin_count_ + 1)) return false;
     runtime::PinnedPage page =

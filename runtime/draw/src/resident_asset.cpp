@@ -34,6 +34,13 @@ void writeFog(const Fog& fog, std::span<std::uint32_t> words) {
   }
 }
 
+// The words of the cage that lies behind a level's grid: shaders/instance.glsl.
+std::span<const std::uint32_t> cageBehind(const Part& part, const runtime::LevelId& id) {
+  if (id.distances || part.cages.empty()) return {};
+  const Cage& cage = part.cageOf(id.level);
+  return id.level == cage.last_level ? cage.words : std::span<const std::uint32_t>();
+}
+
 // Of distances; 0: none belong into the pool.
 int distanceLevelsOf(const runtime::Asset& asset, std::size_t part, bool distances) {
   return distances && asset.loadsDistances() ? asset.pack().distanceLevels(static_cast<int>(part)) : 0;
@@ -44,7 +51,9 @@ std::uint32_t tableWords(const Part& part, int distances) {
 
 }  // namespace
 
-std::uint64_t gridWords(const runtime::Level& level) { return level.cells.size() + level.pages.size() + 1; }
+std::uint64_t gridWords(const runtime::Level& level, std::span<const std::uint32_t> cage) {
+  return level.cells.size() + level.pages.size() + 1 + cage.size();
+}
 std::uint32_t rowsOfPage(const runtime::Level& level, std::uint32_t page) {
   return Pool::rowsFor(pageWords(level.pages[page]));
 }
@@ -95,6 +104,8 @@ void tableOf(const ResidentLevel& level, std::span<std::uint32_t, kTableWords> w
   words[2] = static_cast<std::uint32_t>(level.grid.x - 1) |
              static_cast<std::uint32_t>(level.grid.y - 1) << 10 |
              static_cast<std::uint32_t>(level.band) << 20 | (level.complete() ? kTableComplete : 0);
+  if (!level.cage.empty())
+    words[3] = static_cast<std::uint32_t>(pageEntry(level, 0) + level.page_rows.size() + 1);
 }
 
 Result<std::unique_ptr<ResidentAsset>> describe(const runtime::Asset& asset, bool distances,
@@ -133,6 +144,7 @@ Result<std::unique_ptr<ResidentAsset>> describe(const runtime::Asset& asset, boo
       level->id = {static_cast<int>(p), of_distances ? i - parts[p].levels : i, of_distances};
       level->grid = brickGrid(latticeSize(parts[p].kind, levelSize(parts[p].size, level->id.level)));
       level->table = table + kTableWords * static_cast<std::uint32_t>(i);
+      level->cage = cageBehind(parts[p], level->id);
       level->page_rows = Buffer<std::uint32_t>(allocator);
       fresh->levels[next] = level;
     }
@@ -151,13 +163,13 @@ std::uint64_t poolBytes(const runtime::Asset& asset, Features features) {
     const int fields =
         distanceLevelsOf(asset, static_cast<std::size_t>(p), has(features, Features::kDistances));
     table_words += tableWords(parts[static_cast<std::size_t>(p)], fields);
-    const auto add = [&rows](const runtime::Level* level) {
+    const auto add = [&](const runtime::Level* level, const runtime::LevelId& id) {
       if (!level) return;
-      rows += Pool::rowsFor(gridWords(*level));
+      rows += Pool::rowsFor(gridWords(*level, cageBehind(parts[static_cast<std::size_t>(p)], id)));
       for (std::uint32_t page = 0; page < level->pages.size(); ++page) rows += rowsOfPage(*level, page);
     };
-    for (int l = 0; l < fields; ++l) add(asset.distances(p, l));
-    for (int l = 0; l < parts[static_cast<std::size_t>(p)].levels; ++l) add(asset.level(p, l));
+    for (int l = 0; l < fields; ++l) add(asset.distances(p, l), {p, l, true});
+    for (int l = 0; l < parts[static_cast<std::size_t>(p)].levels; ++l) add(asset.level(p, l), {p, l, false});
   }
   return (rows + Pool::rowsFor(table_words)) * Pool::kRowBytes;
 }

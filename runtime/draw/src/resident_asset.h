@@ -23,7 +23,9 @@ struct ResidentLevel {
   ResidentAsset* asset = nullptr;
   runtime::LevelId id;
   glm::ivec3 grid{0};       // bricks
-  std::uint32_t table = 0;  // its three words in the asset's tables: shaders/instance.glsl
+  std::uint32_t table = 0;  // its words in the asset's tables: shaders/instance.glsl
+  // Of the cage that lies behind its grid: it is the coarsest level that the cage serves. Else empty.
+  std::span<const std::uint32_t> cage;
   Worth worth;
   std::uint32_t grid_row = 0;       // 0: not in the pool
   std::uint32_t resident = 0;       // pages
@@ -48,8 +50,9 @@ struct ResidentPart {
   std::uint32_t first_level = 0;  // in ResidentAsset::levels; those of distances follow those of voxels
   std::int32_t levels = 0;
   std::int32_t distances = 0;  // levels of them
-  // The finest level whose grid, and those of all coarser ones, are in the pool. `levels`: the part cannot be
-  // drawn.
+  // The finest level that can be drawn: its grid, and those of all coarser ones, are in the pool; of a caged
+  // part so is the cage that serves it, with all bricks of the coarsest level that it serves. `levels`: the
+  // part cannot be drawn.
   std::int32_t finest = 0;
   Want want;
   glm::vec4 extent{0};      // size, level-0 voxels; levels
@@ -88,8 +91,8 @@ struct ResidentAsset {
   const ResidentLevel* coarser(const ResidentLevel& level) const;
 };
 
-// Words of a level's cells and of its page table, which ends with the page of kSolidBrick.
-std::uint64_t gridWords(const runtime::Level& level);
+// Words of a level's cells, of its page table, which ends with the page of kSolidBrick, and of its cage.
+std::uint64_t gridWords(const runtime::Level& level, std::span<const std::uint32_t> cage);
 std::uint32_t rowsOfPage(const runtime::Level& level, std::uint32_t page);
 
 // The value of a block: that of its level. A grid has more than its pages, and less than the next coarser
@@ -107,9 +110,9 @@ void writePalette(std::span<const Material> palette, std::span<std::uint32_t> wo
 // Words of a grid of cells.
 std::uint64_t cellCount(const glm::ivec3& grid);
 
-// The three words of a level in its asset's tables: shaders/instance.glsl. All 0 while its grid is not in the
+// The words of a level in its asset's tables: shaders/instance.glsl. All 0 while its grid is not in the
 // pool.
-inline constexpr std::uint32_t kTableWords = 3;
+inline constexpr std::uint32_t kTableWords = 4;
 void tableOf(const ResidentLevel& level, std::span<std::uint32_t, kTableWords> words);
 // The word of the page's entry in the level's page table.
 std::uint64_t pageEntry(const ResidentLevel& level, std::uint32_t page);

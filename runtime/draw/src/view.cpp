@@ -27,7 +27,7 @@ bool isGood(const Quality& quality) {
 Result<void> checkView(const View& view, Features features) {
   const Camera& camera = view.camera;
   if (camera.viewport.x < 0 || camera.viewport.y < 0 || camera.clip_range > ClipRange::kZeroToOne ||
-      view.output > Output::kDisplay || view.debug > DebugView::kSplines)
+      view.output > Output::kDisplay || view.debug > DebugView::kCages)
     return Error{ErrorCode::kMisuse,
                  "the view has a negative viewport, or an unknown clip range, output or debug view"};
   const float length = glm::length(view.light.sun_direction);
@@ -66,12 +66,16 @@ std::optional<int> levelAt(const View& view, const runtime::Instance& instance, 
     parts.knots[i] = knots, parts.to_world[i] = &to_world, parts.to_object[i] = &kSame,
     parts.extents[i] = &extent;
   PlacedParts placed;
-  if (of.bend == Bend::kSweep) {
-    // As the draw list bounds it.
-    const auto boundAll = [&](const Box& box) {
-      for (std::size_t i = 0; i < 8; ++i) setBounds(box, parts, i, placed);
-      placeParts(*projection, parts, placed);
-    };
+  // As the draw list bounds it.
+  const auto boundAll = [&](const Box& box) {
+    for (std::size_t i = 0; i < 8; ++i) setBounds(box, parts, i, placed);
+    placeParts(*projection, parts, placed);
+  };
+  if (!of.cages.empty()) {
+    const auto posed = runtime::posedCage(instance, part, 0);
+    if (!posed) return std::nullopt;
+    boundAll(posed->bounds);
+  } else if (of.bend == Bend::kSweep) {
     boundAll(boxOfKnots(knots, of.size));
     JudgedParts judged;
     judgeParts(*projection, view, Rays::kView, placed, judged);

@@ -144,7 +144,7 @@ inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505;
 inline constexpr Enum kVersion = 0x1F02, kMaxTextureSize = 0x0D33, kMaxArrayTextureLayers = 0x88FF,
                       kMaxTextureUnits = 0x8B4D, kMaxDrawBuffers = 0x8824, kExtensions = 0x1F03,
                       kNumExtensions = 0x821D;
-inline constexpr Enum kTriangleStrip = 0x0005, kLines = 0x0001;
+inline constexpr Enum kTriangleStrip = 0x0005, kTriangles = 0x0004, kLines = 0x0001;
 inline constexpr Enum kCullFace = 0x0B44, kDepthTest = 0x0B71, kBlend = 0x0BE2;
 inline constexpr Enum kBlendSrcRgb = 0x80C9, kBlendDstRgb = 0x80C8, kBlendSrcAlpha = 0x80CB,
                       kBlendDstAlpha = 0x80CA, kBlendEquationRgb = 0x8009, kBlendEquationAlpha = 0x883D,

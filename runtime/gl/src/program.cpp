@@ -79,10 +79,10 @@ void writeLabel(draw::Program which, char (&label)[48]) {
     return has(which, bit) ? there : absent;
   };
   using enum draw::Program;
-  const bool one_bend = !has(which, kEitherBend) && !has(which, kLines);
+  const char* const bends[] = {" sheared", " swept", " caged", ""};
+  const char* const bend = has(which, kLines) ? "" : bends[static_cast<int>(bendOf(which))];
   std::snprintf(label, sizeof label, "kelp %s%s%s%s%s", text(kDebug, "debug "),
-                text(kLines, "debug lines", text(kFog, "fog", "solids")),
-                one_bend ? text(kSwept, " swept", " sheared") : "", text(kFogHeat, ", heat"),
+                text(kLines, "debug lines", text(kFog, "fog", "solids")), bend, text(kFogHeat, ", heat"),
                 text(kFogShadow, ", shadow"));
 }
 

@@ -128,7 +128,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const RendererOptions& option
   if (auto good = self.pool.create(self.api, self.planner->poolBytes()); !good) return good.error();
   self.copyToPool();
   const bool either = has(self.features, Features::kDistances);
-  if (auto good = self.prepare(either ? draw::Program::kEitherBend : draw::Program::kSheared); !good)
+  if (auto good = self.prepare(either ? draw::Program::kAnyBend : draw::Program::kSheared); !good)
     return good.error();
   self.trace_text = draw::traceText(dialectOf(self.api), self.features);
   self.api.GenVertexArrays(1, &self.vertex_array);
@@ -234,7 +234,7 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
     if (lines) {
       bindUnit(api, kRecords, self.lines.name());
       api.Disable(kDepthTest);  // no depth is written either
-      api.DrawArraysInstanced(constant::kLines, 0, static_cast<std::int32_t>(call.count), 1);
+      api.DrawArraysInstanced(constant::kLines, 0, static_cast<std::int32_t>(call.vertices), 1);
       api.Enable(kDepthTest);
       continue;
     }
@@ -244,7 +244,9 @@ Result<Stats> Renderer::draw(const View& view, runtime::Instances instances, Pas
     std::optional<BlendGuard> blend;
     if (fog) blend.emplace(api, self.restore);
     setFirstInstance(api, program, data->uniforms.first_instance + static_cast<std::int32_t>(call.first));
-    api.DrawArraysInstanced(kTriangleStrip, 0, 6, static_cast<std::int32_t>(call.count));
+    const bool strip = draw::topologyOf(call.program) == draw::Topology::kTriangleStrip;
+    api.DrawArraysInstanced(strip ? kTriangleStrip : kTriangles, 0, static_cast<std::int32_t>(call.vertices),
+                            static_cast<std::int32_t>(call.count));
   }
   if (copies) bindUnit(api, kScene, 0);  // the host must not find the copy bound
   return data->stats;

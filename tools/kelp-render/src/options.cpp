@@ -49,12 +49,13 @@ ViewKind parseView(const std::string& text) {
   static const std::map<std::string, ViewKind> views{
       {"shaded", ViewKind::kShaded},     {"normals", ViewKind::kNormals}, {"depth", ViewKind::kDepth},
       {"distance", ViewKind::kDistance}, {"parts", ViewKind::kParts},     {"steps", ViewKind::kSteps},
-      {"level", ViewKind::kLevel},       {"bounds", ViewKind::kBounds},   {"splines", ViewKind::kSplines}};
+      {"level", ViewKind::kLevel},       {"bounds", ViewKind::kBounds},   {"splines", ViewKind::kSplines},
+      {"cages", ViewKind::kCages}};
   if (text == "fit")
     throw ToolError(Exit::kUsage, "--view fit is gone; see clips[].fit of kelp-bake --report");
   const auto found = views.find(text);
   if (found == views.end())
-    refuse("--view", text, "shaded, normals, depth, distance, parts, steps, level, bounds or splines");
+    refuse("--view", text, "shaded, normals, depth, distance, parts, steps, level, bounds, splines or cages");
   return found->second;
 }
 
@@ -133,12 +134,12 @@ void checkPaperOptions(const Options& options, int level) {
     throw ToolError(
         Exit::kUsage,
         fmt::format("--view distance: is the same for every method; leave --method {} out", method));
-  if (options.view == ViewKind::kParts || options.view == ViewKind::kBounds ||
-      options.view == ViewKind::kSplines)
+  if (options.view == ViewKind::kParts || options.view >= ViewKind::kBounds)
     throw ToolError(
         Exit::kUsage,
-        fmt::format("--view parts, bounds, splines: --method {} does not draw them; leave --method out",
-                    method));
+        fmt::format(
+            "--view parts, bounds, splines, cages: --method {} does not draw them; leave --method out",
+            method));
   if (options.shading != gl::Shading::kGradient)
     throw ToolError(Exit::kUsage, fmt::format("--shading: --method {} has one normal for each voxel; leave "
                                               "--shading out",
@@ -243,7 +244,7 @@ void addPictureOptions(CLI::App& app, Options& options, PictureText& text) {
       ->required()
       ->option_text("OUT.png");
   app.add_option("--view", text.view, "what to show")
-      ->option_text("shaded|normals|depth|distance|parts|steps|level|bounds|splines [shaded]");
+      ->option_text("shaded|normals|depth|distance|parts|steps|level|bounds|splines|cages [shaded]");
   app.add_option(
          "--method", text.method,
          "how rays are traced: by kelp, or as the paper published it, with constant steps or distance-field "

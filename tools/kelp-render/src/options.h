@@ -14,7 +14,18 @@
 
 namespace kelp::render {
 
-enum class ViewKind { kShaded, kNormals, kDepth, kDistance, kParts, kSteps, kLevel, kBounds, kSplines };
+enum class ViewKind {
+  kShaded,
+  kNormals,
+  kDepth,
+  kDistance,
+  kParts,
+  kSteps,
+  kLevel,
+  kBounds,
+  kSplines,
+  kCages
+};
 // Who traces the rays: kelp's runtime, or the paper's method as published, with constant or distance-field
 // steps.
 enum class Method { kKelp, kPaper, kPaperDf };

@@ -36,8 +36,10 @@ ViewStyle styleOf(ViewKind kind, const Camera& camera) {
     case ViewKind::kShaded:
     case ViewKind::kBounds:
     case ViewKind::kSplines:
+    case ViewKind::kCages:
       if (kind == ViewKind::kBounds) style.debug = gl::DebugView::kBounds;
       if (kind == ViewKind::kSplines) style.debug = gl::DebugView::kSplines;
+      if (kind == ViewKind::kCages) style.debug = gl::DebugView::kCages;
       style.colors = true;
       style.background = {false, {0.93f, 0.93f, 0.92f}, {0.72f, 0.77f, 0.82f}};
       break;

@@ -53,7 +53,7 @@ Usage: kelp-view [OPTIONS] [PACK]
        kelp-view [OPTIONS] --watch MODEL [OPTIONS OF kelp-bake]
 
   PACK                      the .kelp file to show; drop others onto the window
-  --view shaded|normals|distances|parts|steps|levels|bounds|splines
+  --view shaded|normals|distances|parts|steps|levels|bounds|splines|cages
                             what the colors mean, or lines over the picture (key V: the next one)
   --edit                    open the rig editor at once (key E)
   --watch PACK              show the pack again whenever it changes

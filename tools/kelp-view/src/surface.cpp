@@ -4,8 +4,8 @@
 namespace kelp::view {
 
 const char* toString(Surface surface) {
-  constexpr const char* kNames[] = {"shaded", "normals", "distances", "parts",
-                                    "steps",  "levels",  "bounds",    "splines"};
+  constexpr const char* kNames[] = {"shaded", "normals", "distances", "parts", "steps",
+                                    "levels", "bounds",  "splines",   "cages"};
   return kNames[static_cast<int>(surface)];
 }
 

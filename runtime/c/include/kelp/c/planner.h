@@ -46,14 +46,17 @@ KELP_API kelp_result kelp_planner_remove(kelp_planner planner, kelp_asset asset)
 // A program of the shaders: a set of bits, one for each #define. KELP_PROGRAM_SHEARED alone is 0.
 typedef uint32_t kelp_program;
 enum {
-  KELP_PROGRAM_SHEARED = 0,       // draws solid parts that are sheared
-  KELP_PROGRAM_SWEPT = 1,         // parts that are swept
-  KELP_PROGRAM_FOG = 2,           // fog
-  KELP_PROGRAM_FOG_HEAT = 4,      // fog that glows by its heat
-  KELP_PROGRAM_FOG_SHADOW = 8,    // fog that shades itself (kelp_view.self_shadow)
-  KELP_PROGRAM_EITHER_BEND = 16,  // solid parts of both kinds; with KELP_FEATURE_DISTANCES, in place of two
-  KELP_PROGRAM_DEBUG = 32,        // parts, in the colors of kelp_view.debug
-  KELP_PROGRAM_LINES = 64         // the lines of kelp_view.debug: no parts
+  KELP_PROGRAM_SHEARED = 0,      // draws solid parts that are sheared
+  KELP_PROGRAM_SWEPT = 1,        // parts that are swept
+  KELP_PROGRAM_CAGED = 2,        // solid parts with cages, by the faces of these: a list of triangles
+  KELP_PROGRAM_ANY_BEND = 3,     // solid parts of all kinds, by their bounds: with KELP_FEATURE_DISTANCES in
+                                 // place of the others; without, parts with cages that the eye or the near
+                                 // plane is in
+  KELP_PROGRAM_FOG = 4,          // fog
+  KELP_PROGRAM_FOG_HEAT = 8,     // fog that glows by its heat
+  KELP_PROGRAM_FOG_SHADOW = 16,  // fog that shades itself (kelp_view.self_shadow)
+  KELP_PROGRAM_DEBUG = 32,       // parts, in the colors of kelp_view.debug
+  KELP_PROGRAM_LINES = 64        // the lines of kelp_view.debug: no parts
 };
 enum { KELP_PROGRAMS = 65 };  // every kelp_program is below
 // The programs that parts of the asset may need, but for kelp_view.debug: bit i of *programs for the
@@ -95,12 +98,14 @@ KELP_API kelp_result kelp_planner_get_copies(kelp_planner planner, const kelp_co
 // The copies were made: lets go of their words. The next add and upload are KELP_ERROR_MISUSE before.
 KELP_API kelp_result kelp_planner_copied(kelp_planner planner);
 
-// A draw call: strips of six vertices, `count` instances from `first` on; of KELP_PROGRAM_LINES one instance
-// of lines, `count` vertices, with kelp_draw_data.lines as the records. No vertex buffer.
+// A draw call: `count` instances from `first` on, of so many vertices each: strips of six; of
+// KELP_PROGRAM_CAGED lists of triangles, of KELP_PROGRAM_LINES one list of lines, with kelp_draw_data.lines
+// as the records. No vertex buffer.
 typedef struct kelp_call {
   kelp_program program;
   uint32_t first;
   uint32_t count;
+  uint32_t vertices;
   // Before this call the scene's depth must be the depth drawn so far: copy it. Only with KELP_DEPTH_COPIED.
   kelp_bool copies_depth;
 } kelp_call;

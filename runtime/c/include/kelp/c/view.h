@@ -30,11 +30,12 @@ enum {
 typedef int32_t kelp_debug_view;
 enum {
   KELP_DEBUG_VIEW_NONE = 0,
-  KELP_DEBUG_VIEW_PARTS = 1,   // a color for each part of each instance
-  KELP_DEBUG_VIEW_STEPS = 2,   // of rays until they hit: blue 0, green 16, yellow 32, red 64 and more
-  KELP_DEBUG_VIEW_LEVELS = 3,  // a color for each level, gray for 0; black stripes: a finer one is missing
-  KELP_DEBUG_VIEW_BOUNDS = 4,  // the boxes that are rasterized, as lines; red: the eye is in or close to it
-  KELP_DEBUG_VIEW_SPLINES = 5  // splines and knots, as lines
+  KELP_DEBUG_VIEW_PARTS = 1,    // a color for each part of each instance
+  KELP_DEBUG_VIEW_STEPS = 2,    // of rays until they hit: blue 0, green 16, yellow 32, red 64 and more
+  KELP_DEBUG_VIEW_LEVELS = 3,   // a color for each level, gray for 0; black stripes: a finer one is missing
+  KELP_DEBUG_VIEW_BOUNDS = 4,   // the boxes that are rasterized, as lines; red: the eye is in or close to it
+  KELP_DEBUG_VIEW_SPLINES = 5,  // splines and knots, as lines
+  KELP_DEBUG_VIEW_CAGES = 6     // the edges of cages, as lines
 };
 
 // A picture. Start from kelp_view_defaults, then set the viewport and the two matrices.

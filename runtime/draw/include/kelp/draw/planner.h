@@ -45,14 +45,16 @@ struct Copy {
 
 // A program: a set of bits, one for each #define of the shaders. kSheared alone is 0.
 enum class Program : std::uint8_t {
-  kSheared = 0,      // draws solid parts that are sheared
-  kSwept = 1,        // parts that are swept
-  kFog = 2,          // fog
-  kFogHeat = 4,      // fog that glows by its heat
-  kFogShadow = 8,    // fog that shades itself (Quality::self_shadow)
-  kEitherBend = 16,  // solid parts of both kinds; with Features::kDistances in place of two programs
-  kDebug = 32,       // parts, in the colors of View::debug
-  kLines = 64,       // the lines of View::debug: no parts
+  kSheared = 0,     // draws solid parts that are sheared
+  kSwept = 1,       // parts that are swept
+  kCaged = 2,       // solid parts with cages, by the faces of these: a list of triangles
+  kAnyBend = 3,     // solid parts of all kinds, by their bounds: with Features::kDistances in place of the
+                    // others; without, parts with cages that the eye or the near plane is in
+  kFog = 4,         // fog
+  kFogHeat = 8,     // fog that glows by its heat
+  kFogShadow = 16,  // fog that shades itself (Quality::self_shadow)
+  kDebug = 32,      // parts, in the colors of View::debug
+  kLines = 64,      // the lines of View::debug: no parts
 };
 inline constexpr int kPrograms = 65;  // every Program is below
 constexpr Program operator|(Program a, Program b) {
@@ -62,11 +64,23 @@ constexpr bool has(Program set, Program bit) {
   return (static_cast<std::uint8_t>(set) & static_cast<std::uint8_t>(bit)) != 0;
 }
 
-// A draw call: strips of six vertices, `count` instances from `first` on; of kLines one instance of lines,
-// `count` vertices, with DrawData::lines as the records. No vertex buffer.
+// kSheared, kSwept, kCaged or kAnyBend.
+constexpr Program bendOf(Program program) {
+  return static_cast<Program>(static_cast<std::uint8_t>(program) & 3);
+}
+// How a call's vertices are put together.
+enum class Topology : std::uint8_t { kTriangleStrip, kTriangles, kLines };
+constexpr Topology topologyOf(Program program) {
+  return program == Program::kLines   ? Topology::kLines
+         : program == Program::kCaged ? Topology::kTriangles
+                                      : Topology::kTriangleStrip;
+}
+
+// A draw call: `count` instances from `first` on, of so many vertices each: strips of six; of kCaged lists of
+// triangles, of kLines one list of lines, with DrawData::lines as the records. No vertex buffer.
 struct Call {
   Program program = Program::kSheared;
-  std::uint32_t first = 0, count = 0;
+  std::uint32_t first = 0, count = 0, vertices = 6;
   // Before this call the scene's depth must be the depth drawn so far: copy it. Only with Depth::kCopied.
   bool copies_depth = false;
 };

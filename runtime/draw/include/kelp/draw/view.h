@@ -91,7 +91,8 @@ struct Quality {
   float smallest_pixels = 0.5f;  // parts whose largest side covers fewer pixels are not drawn
   // Secondary rays stay in the same part of the same instance. They start less than two voxels off the
   // surface; in fog, at every voxel on the way. kMisuse without Features::kSecondaryRays, except with a
-  // surface_glsl, which may call kelpVisible. Whether voxels keep the sun's light off others:
+  // surface_glsl, which may call kelpVisible. They meet a part with a cage only if one of these two is set.
+  // Whether voxels keep the sun's light off others:
   bool self_shadow = false;
   // 0 .. 16 cosine-weighted rays for each pixel, which measure how much of the sky it sees. 0: all of it.
   int occlusion_rays = 0;
@@ -100,10 +101,12 @@ struct Quality {
   float occlusion_reach = 0.25f;
   // Light past all solid parts of the instance, by distances; kMisuse without Features::kDistances. The sun's
   // shadow, with a penumbra: the angle in degrees, 0 .. 20, across the sun (the real one: 0.53). 0: no
-  // shadow. Takes the place of self_shadow. Slower where an asset loads no distances.
+  // shadow. Takes the place of self_shadow. Slower where an asset loads no distances, and where parts have
+  // cages.
   float soft_shadows = 0;
   // How much of the sky a pixel sees, within occlusion_reach. Takes the place of occlusion_rays. A part whose
-  // asset loads no distances, or whose distances are not uploaded yet, hides nothing.
+  // asset loads no distances, or whose distances are not uploaded yet, hides nothing; nor does one with a
+  // cage.
   bool occlusion = false;
   // 1 .. 16. More than 1: the instances are drawn near to far in so many draws. Before each, the depth drawn
   // so far is copied, and rays end there, so that nothing hidden is traced. The picture is the same. It gains
@@ -135,8 +138,11 @@ enum class DebugView : std::uint8_t {
   // A color for each level that is hit, gray for level 0. Black stripes: a finer level is wanted and not on
   // the GPU. In fog, where it begins.
   kLevels,
-  kBounds,   // the boxes whose outlines are rasterized; red: the eye is in or close to it, so all pixels are
+  // The boxes whose outlines, or cages in them, are rasterized; red: the eye is in or close to it, so all
+  // pixels are.
+  kBounds,
   kSplines,  // the splines of parts and their knots, as Instance::pose has them
+  kCages,    // the cages of parts that have them: the edges of their outer cells
 };
 // True for those that replace the colors of parts, and the host's kelpSurface.
 constexpr bool replacesColors(DebugView debug) {
@@ -183,8 +189,9 @@ struct Stats {
   // Why the first of them was; `offset` is its index in the list that was given.
   Error first_left_out;
   std::uint32_t clamped = 0;  // instances whose pose was clamped (runtime::Instance::unsound)
-  // Draw calls. Solids: one for sheared parts and one for swept ones (with Features::kDistances one for
-  // both), or that times Quality::depth_batches at most. Fog: one for each run of parts that bend alike.
+  // Draw calls. Solids: one for sheared parts and one for swept ones, one for each run of parts with like
+  // cages, one for those that the eye is in (with Features::kDistances one for all), or that times
+  // Quality::depth_batches at most. Fog: one for each run of parts that bend alike.
   std::uint32_t draws = 0;
   std::uint64_t bytes_uploaded = 0;  // by this call
   std::uint64_t gpu_bytes = 0;       // of assets, held now
