@@ -15,7 +15,7 @@ TEST_P(CagedTest, AtRestItIsThePartWithoutACage) {
   const LoadedAsset plain(packOf(volume));
   const auto plain_renderer = makeRenderer(*plain.asset, kRestSurface);
   const int levels = plain.asset->pack().parts()[0].levels;
-  for (const int cell : {2, 8, 16}) {
+  for (const int cell : {4, 8, 16}) {
     const LoadedAsset with(cagedPackOf(volume, cell));
     const auto renderer = makeRenderer(*with.asset, kRestSurface);
     Instance instance{plain.asset.get()};
