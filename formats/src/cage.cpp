@@ -22,9 +22,11 @@ Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int leve
   Buffer<std::uint32_t> cells(memory.words.allocator());
   if (!cells.reset(std::uint64_t{kCageCellWords} * maker.cells())) return kNoMemory;
   if (const Result<void> r = maker.connect(cells.span()); !r) return r.error();
-  if (!memory.words.reset(maker.words()) || !memory.places.reset(maker.nodes())) return kNoMemory;
+  if (!memory.words.reset(maker.words()) || !memory.places.reset(maker.nodes()) ||
+      !memory.follows.reset(finer ? maker.nodes() : 0))
+    return kNoMemory;
   std::copy(cells.begin(), cells.end(), memory.words.begin() + kCageHeader);
-  return maker.write(memory.words.span(), memory.places.span(), source.follows, finer);
+  return maker.write(memory.words.span(), memory.places.span(), memory.follows.span(), finer);
 }
 
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) {

@@ -86,7 +86,8 @@ struct CageSource {
   // most 256 nodes at a point.
   std::span<const std::uint32_t> split_points;
   std::span<const std::uint8_t> splits;
-  // Of coarser cages: for each node the cell of the next finer cage that it moves with: cageFollows().
+  // Of coarser cages: the cells of the next finer cage that nodes move with, where the rule of SPEC.md 4.9
+  // does not tell: for each node of split points, and of those where the cubes around hold no finer cell.
   std::span<const std::uint32_t> follows;
 };
 
@@ -97,7 +98,8 @@ struct Cage {
   glm::ivec3 grid{0};                     // cells along each axis
   std::span<const std::uint32_t> words;   // as above
   std::span<const std::uint32_t> places;  // one a node: where the lattice is: x | y << 10 | z << 20, in sides
-  std::span<const std::uint32_t> follows;  // as in CageSource
+  // Of coarser cages, one a node: the cell of the next finer cage that it moves with: cageFollows().
+  std::span<const std::uint32_t> follows;
 
   std::uint32_t cells() const { return words[0]; }
   std::uint32_t nodes() const { return words[1]; }
@@ -119,9 +121,9 @@ struct Cage {
 
 struct CageMemory {
   CageMemory() = default;
-  explicit CageMemory(const Allocator& allocator) : words(allocator), places(allocator) {}
+  explicit CageMemory(const Allocator& allocator) : words(allocator), places(allocator), follows(allocator) {}
 
-  Buffer<std::uint32_t> words, places;
+  Buffer<std::uint32_t> words, places, follows;
 };
 
 // Which of the six permutations: the corners of tetrahedron t as bits, in their order: 0, a, a + b, 7.
@@ -144,7 +146,7 @@ CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer);
 // Makes the cage that `source` describes, in `memory`. size: of the part, level-0 voxels. levels: of the
 // part. cage: its number, finest first. finer: the next finer one; null for the finest. max_bytes: of what it
 // takes in memory. kCorrupt, with a text, for what breaks the rules of SPEC.md 4.9; kLimit; kOutOfMemory.
-// Safe for hostile sources: counts are checked before memory is taken. The cage's `follows` are the source's.
+// Safe for hostile sources: counts are checked before memory is taken.
 Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int levels, int cell, int cage,
                       const Cage* finer, std::uint64_t max_bytes, CageMemory& memory);
 
