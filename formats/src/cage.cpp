@@ -37,9 +37,8 @@ CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) 
   if (f[order[1]] > f[order[0]]) std::swap(order[0], order[1]);
   if (f[order[2]] > f[order[1]]) std::swap(order[1], order[2]);
   if (f[order[1]] > f[order[0]]) std::swap(order[0], order[1]);
-  const std::uint32_t* const corners = finer.cell(at) + 2;
   const int a = 1 << order[0], b = a | 1 << order[1];
-  return {{corners[0], corners[a], corners[b], corners[7]},
+  return {{finer.node(at, 0), finer.node(at, a), finer.node(at, b), finer.node(at, 7)},
           {1 - f[order[0]], f[order[0]] - f[order[1]], f[order[1]] - f[order[2]], f[order[2]]}};
 }
 

@@ -180,11 +180,15 @@ Result<void> CageMaker::nameNodes() {
         if (which > here) return wrongCage("the nodes of a cage's point are not numbered in their order");
         here = std::max(here, which + 1);
       }
+      // The second corner of a pair is at a later point.
       const auto corner = static_cast<std::uint32_t>(corners_[i]);
-      node(corner >> 3, static_cast<int>(corner & 7)) = node_count_ + which;
+      std::uint32_t& pair = cell(corner >> 3)[2 + (corner >> 1 & 3)];
+      pair = corner & 1 ? pair | (node_count_ + which - pair) << kCageNodeBits : node_count_ + which;
     }
     if (here < 2 && divided) return wrongCage("a cage's point of several nodes has one");
     node_count_ += here;
+    if (node_count_ > kMaxCageNodes)
+      return Error{ErrorCode::kLimit, "a cage has more than 4194304 nodes: it needs larger cells"};
   }
   if (split != source_.split_points.size() || number != source_.splits.size())
     return wrongCage("a cage's points of several nodes do not ascend, or are no corners of cells");
@@ -227,8 +231,8 @@ void CageMaker::joinCubes(const Cube& low, const Cube& high, int axis) {
     std::uint32_t a = first->cell, b = (next - 1)->cell;
     if (next - first == 2 && isOf(low, a) != isOf(low, b)) {
       if (!isOf(low, a)) std::swap(a, b);
-      cell(a)[10 + 2 * axis + 1] = b;
-      cell(b)[10 + 2 * axis] = a;
+      beyond(a, 2 * axis + 1) = b;
+      beyond(b, 2 * axis) = a;
     }
     first = next;
   }
@@ -236,7 +240,7 @@ void CageMaker::joinCubes(const Cube& low, const Cube& high, int axis) {
 
 // What lies beyond the faces of cells. A face that more than two cells have in common is boundary for all.
 void CageMaker::joinCells() {
-  for (std::uint32_t i = 0; i < cell_count_; ++i) std::fill_n(cell(i) + 10, 6, kCageOutside);
+  for (std::uint32_t i = 0; i < cell_count_; ++i) std::fill_n(&beyond(i, 0), 6, kCageOutside);
   for (const std::uint64_t entry : cubes_) {
     const auto first = static_cast<std::uint32_t>(entry);
     const glm::ivec3 at = placeOf(first);
@@ -246,12 +250,12 @@ void CageMaker::joinCells() {
       to[face >> 1] += face & 1 ? 1 : -1;
       const Cube there = cubeAt(to);
       if (there.inside)
-        for (std::uint32_t i = first; i < first + here.count; ++i) cell(i)[10 + face] = kCageInside;
+        for (std::uint32_t i = first; i < first + here.count; ++i) beyond(i, face) = kCageInside;
       if (there.count > 0 && face & 1) joinCubes(here, there, face >> 1);
     }
   }
   for (std::uint32_t i = 0; i < cell_count_; ++i)
-    face_count_ += 2 * static_cast<std::uint32_t>(std::count(cell(i) + 10, cell(i) + 16, kCageOutside));
+    face_count_ += 2 * static_cast<std::uint32_t>(std::count(&beyond(i, 0), &beyond(i, 0) + 6, kCageOutside));
 }
 
 // The masks of all levels of a cell from the bits of the finest. False: there are none.
@@ -326,11 +330,10 @@ Result<Cage> CageMaker::write(std::span<std::uint32_t> words, std::span<std::uin
     return wrongCage("a cage's masks do not match the pieces of its cells");
   const std::uint8_t* bits = source_.masks.data();
   for (std::uint32_t i = 0; i < cell_count_; ++i) {
-    const std::uint32_t* const around = cell(i) + 10;
     for (std::uint32_t t = 0; t < 6; ++t) {
       const CageTetrahedron& order = kCageTetrahedra[t];
-      if (around[2 * order.axes[0] + 1] == kCageOutside) words[face++] = i << 5 | t << 2;
-      if (around[2 * order.axes[2]] == kCageOutside) words[face++] = i << 5 | t << 2 | 3;
+      if (beyond(i, 2 * order.axes[0] + 1) == kCageOutside) words[face++] = i << 5 | t << 2;
+      if (beyond(i, 2 * order.axes[2]) == kCageOutside) words[face++] = i << 5 | t << 2 | 3;
     }
     const glm::ivec3 at = placeOf(i);
     for (std::uint32_t corner = 0; corner < 8; ++corner) {

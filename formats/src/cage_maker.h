@@ -47,7 +47,8 @@ class CageMaker {
   struct Cube;
 
   std::uint32_t* cell(std::uint32_t i) { return &cells_[std::size_t{kCageCellWords} * i]; }
-  std::uint32_t& node(std::uint32_t i, int corner) { return cell(i)[2 + corner]; }
+  std::uint32_t node(std::uint32_t i, int corner) { return cageNode(cell(i), corner); }
+  std::uint32_t& beyond(std::uint32_t i, int face) { return cell(i)[6 + face]; }
   glm::ivec3 placeOf(std::uint32_t cell) const {
     const std::uint32_t place = cells_[std::size_t{kCageCellWords} * cell];
     return {place & 255, place >> 8 & 255, place >> 16};

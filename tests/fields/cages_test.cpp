@@ -327,7 +327,7 @@ void expectVoxelsHeld(const InMemory& made, int cell, int level, const fields::O
       for (int corner = 0; corner < 8 && !other.empty(); ++corner) {
         const glm::ivec3 in = at + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2) - to / side;
         if (std::min({in.x, in.y, in.z}) < 0 || std::max({in.x, in.y, in.z}) > 1) continue;
-        ASSERT_EQ(cage.cell(cells[0])[2 + corner], cage.cell(other[0])[2 + in.x + 2 * in.y + 4 * in.z]);
+        ASSERT_EQ(cage.node(cells[0], corner), cage.node(other[0], in.x + 2 * in.y + 4 * in.z));
       }
     });
   }

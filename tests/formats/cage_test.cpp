@@ -112,7 +112,7 @@ void expectCage(const NaiveCage& naive, const Cage& cage) {
   std::vector<std::uint32_t> boundary;
   for (std::uint32_t i = 0; i < cage.cells(); ++i) {
     ASSERT_EQ(cage.place(i), naive.cells[i].cube);
-    for (int c = 0; c < 8; ++c) ASSERT_EQ(cage.cell(i)[2 + c], corners[i][static_cast<std::size_t>(c)]);
+    for (int c = 0; c < 8; ++c) ASSERT_EQ(cage.node(i, c), corners[i][static_cast<std::size_t>(c)]);
     std::array<std::uint32_t, 6> beyond{};
     for (int face = 0; face < 6; ++face) {
       glm::ivec3 next = naive.cells[i].cube;
@@ -125,7 +125,7 @@ void expectCage(const NaiveCage& naive, const Cage& cage) {
       std::uint32_t expected = inside ? kCageInside : kCageOutside;
       if (!inside && cells.size() == 2) expected = cells[0] == i ? cells[1] : cells[0];
       beyond[static_cast<std::size_t>(face)] = expected;
-      ASSERT_EQ(cage.cell(i)[10 + face], expected) << "cell " << i << " face " << face;
+      ASSERT_EQ(cage.beyond(i, face), expected) << "cell " << i << " face " << face;
     }
     for (std::uint32_t t = 0; t < 6; ++t) {
       for (std::uint32_t f = 0; f < 4; ++f) {
@@ -257,7 +257,7 @@ TEST(Cage, AFaceOfThreeCellsIsBoundary) {
   EXPECT_EQ(cage->nodes(), 12u);
   EXPECT_EQ(cage->faces(), 36u);
   for (std::uint32_t i = 0; i < 3; ++i)
-    for (int face = 0; face < 6; ++face) EXPECT_EQ(cage->cell(i)[10 + face], kCageOutside);
+    for (int face = 0; face < 6; ++face) EXPECT_EQ(cage->beyond(i, face), kCageOutside);
 }
 
 TEST(Cage, LimitsAreKept) {
