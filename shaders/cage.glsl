@@ -23,7 +23,13 @@
 #define KELP_CAGE_OUTSIDE 0xffffffffu
 #define KELP_CAGE_INSIDE 0xfffffffeu
 
-KELP_FN uint kelpCageCell(uint cell) { return 4u + 16u * cell; }
+KELP_FN uint kelpCageCell(uint cell) { return 4u + 12u * cell; }
+// Of a cell at kelpCageCell(): the node at a corner, 0 to 7; the cell beyond a face, 0 to 5, if it has one.
+KELP_FN uint kelpCageNode(KELP_CONTEXT_ uint at, uint corner) {
+  uint pair = KELP_CAGE_WORD(at + 2u + (corner >> 1u));
+  return (pair & 0x3fffffu) + (corner & 1u) * (pair >> 22u);
+}
+KELP_FN uint kelpCageBeyond(KELP_CONTEXT_ uint at, int face) { return KELP_CAGE_WORD(at + 6u + uint(face)); }
 
 // The axes of a tetrahedron by its number, 0 to 5.
 KELP_FN ivec3 kelpTetrahedronAxes(int number) {
@@ -54,10 +60,10 @@ KELP_FN KelpTetrahedron kelpTetrahedron(KELP_CONTEXT_ uint at, int number, vec3 
   KelpTetrahedron g;
   g.number = number;
   g.axes = kelpTetrahedronAxes(number);
-  vec3 x0 = KELP_NODE(KELP_CAGE_WORD(at + 2u));
-  vec3 a = KELP_NODE(KELP_CAGE_WORD(at + 2u + (1u << uint(g.axes.x)))) - x0;
-  vec3 b = KELP_NODE(KELP_CAGE_WORD(at + 9u - (1u << uint(g.axes.z)))) - x0;
-  vec3 d = KELP_NODE(KELP_CAGE_WORD(at + 9u)) - x0;
+  vec3 x0 = KELP_NODE(kelpCageNode(KELP_CONTEXT at, 0u));
+  vec3 a = KELP_NODE(kelpCageNode(KELP_CONTEXT at, 1u << uint(g.axes.x))) - x0;
+  vec3 b = KELP_NODE(kelpCageNode(KELP_CONTEXT at, 7u - (1u << uint(g.axes.z)))) - x0;
+  vec3 d = KELP_NODE(kelpCageNode(KELP_CONTEXT at, 7u)) - x0;
   vec3 e = o - x0;
   vec3 of_a = cross(b, d);
   vec3 of_b = cross(d, a);
@@ -258,9 +264,9 @@ KELP_FN vec3 kelpNudged(KELP_CONTEXT_ uint face, vec3 o, int n) {
   uint a = 1u << uint(axes.x);
   uint b = 7u - (1u << uint(axes.z));
   // Corners of the face: 0 or 7, a and a + b.
-  vec3 middle = KELP_NODE(KELP_CAGE_WORD(at + 2u + a));
-  vec3 along = KELP_NODE(KELP_CAGE_WORD(at + 2u + b)) - middle;
-  vec3 across = KELP_NODE(KELP_CAGE_WORD(at + ((face & 3u) == 0u ? 9u : 2u))) - middle;
+  vec3 middle = KELP_NODE(kelpCageNode(KELP_CONTEXT at, a));
+  vec3 along = KELP_NODE(kelpCageNode(KELP_CONTEXT at, b)) - middle;
+  vec3 across = KELP_NODE(kelpCageNode(KELP_CONTEXT at, (face & 3u) == 0u ? 7u : 0u)) - middle;
   float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
   float angle = 2.4f * float(n);
   float far = KELP_CAGE_SLACK / side * (float(n) / float(KELP_CAGE_TRIES));
@@ -292,8 +298,8 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
     uint at = kelpCageCell(cell);
     KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, from, r);
     float way = g.turned ? -1.0f : 1.0f;
-    uint high = KELP_CAGE_WORD(at + 11u + uint(2 * g.axes.x));
-    uint low = KELP_CAGE_WORD(at + 10u + uint(2 * g.axes.z));
+    uint high = kelpCageBeyond(KELP_CONTEXT at, 2 * g.axes.x + 1);
+    uint low = kelpCageBeyond(KELP_CONTEXT at, 2 * g.axes.z);
     // The faces towards which the ray goes, and when it is there. Beyond the boundary there is no way back,
     // so it lies a little farther out.
     vec4 towards = -way * g.slope;

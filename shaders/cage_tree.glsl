@@ -4,7 +4,7 @@
 
 // The word of a cell that tells what is beyond a face of a tetrahedron, 0 or 3.
 KELP_FN uint kelpBeyond(KELP_CONTEXT_ uint at, ivec3 axes, int face) {
-  return KELP_CAGE_WORD(at + 10u + (face == 0 ? uint(2 * axes.x + 1) : uint(2 * axes.z)));
+  return kelpCageBeyond(KELP_CONTEXT at, face == 0 ? 2 * axes.x + 1 : 2 * axes.z);
 }
 
 // What a ray must cross of a tetrahedron to tell where it comes from, of the tetrahedron's length there.
@@ -58,8 +58,8 @@ KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, vec3 o, vec3 r, ve
   uint at = kelpCageCell(cell);
   vec3 low = vec3(KELP_NEVER);
   vec3 high = vec3(-KELP_NEVER);
-  for (uint i = 2u; i < 10u; ++i) {
-    vec3 x = KELP_NODE(KELP_CAGE_WORD(at + i));
+  for (uint i = 0u; i < 8u; ++i) {
+    vec3 x = KELP_NODE(kelpCageNode(KELP_CONTEXT at, i));
     low = min(low, x);
     high = max(high, x);
   }
@@ -190,23 +190,27 @@ KELP_FN vec3 kelpPlaceInCell(KELP_CONTEXT_ KelpHit hit) {
   vec3 corner = vec3(float(place & 255u), float((place >> 8u) & 255u), float((place >> 16u) & 255u));
   return clamp(hit.rest / side - corner, vec3(0.0f), vec3(1.0f));
 }
+// An edge of a cell, from a corner along an axis of bit a.
+KELP_FN vec3 kelpEdge(KELP_CONTEXT_ uint at, uint corner, uint a) {
+  return KELP_NODE(kelpCageNode(KELP_CONTEXT at, corner + a)) -
+         KELP_NODE(kelpCageNode(KELP_CONTEXT at, corner));
+}
 // How far two nodes of an edge of a cell along `axis` are apart, in the mean of its four edges there, by
 // their coordinates across: those along the next axis and the one after it.
 KELP_FN vec3 kelpAlongCell(KELP_CONTEXT_ uint at, int axis, float v, float w) {
   uint a = 1u << uint(axis);
   uint b = axis == 2 ? 1u : 2u * a;
   uint c = 7u - a - b;
-  uint n = at + 2u;
-  vec3 e0 = KELP_NODE(KELP_CAGE_WORD(n + a)) - KELP_NODE(KELP_CAGE_WORD(n));
-  vec3 eb = KELP_NODE(KELP_CAGE_WORD(n + a + b)) - KELP_NODE(KELP_CAGE_WORD(n + b));
-  vec3 ec = KELP_NODE(KELP_CAGE_WORD(n + a + c)) - KELP_NODE(KELP_CAGE_WORD(n + c));
-  vec3 e7 = KELP_NODE(KELP_CAGE_WORD(n + 7u)) - KELP_NODE(KELP_CAGE_WORD(n + b + c));
+  vec3 e0 = kelpEdge(KELP_CONTEXT at, 0u, a);
+  vec3 eb = kelpEdge(KELP_CONTEXT at, b, a);
+  vec3 ec = kelpEdge(KELP_CONTEXT at, c, a);
+  vec3 e7 = kelpEdge(KELP_CONTEXT at, b + c, a);
   return mix(mix(e0, eb, v), mix(ec, e7, v), w);
 }
 // The same, gone over to the neighbor's towards the face that they share.
 KELP_FN vec3 kelpAcrossCells(KELP_CONTEXT_ uint at, int axis, float u, float v, float w) {
   vec3 own = kelpAlongCell(KELP_CONTEXT at, axis, v, w);
-  uint beside = KELP_CAGE_WORD(at + 10u + uint(2 * axis + (u > 0.5f ? 1 : 0)));
+  uint beside = kelpCageBeyond(KELP_CONTEXT at, 2 * axis + (u > 0.5f ? 1 : 0));
   if (beside >= KELP_CAGE_INSIDE) return own;
   return mix(own, kelpAlongCell(KELP_CONTEXT kelpCageCell(beside), axis, v, w), abs(u - 0.5f));
 }
@@ -232,8 +236,8 @@ KELP_FN vec3 kelpCageRestDirection(KELP_CONTEXT_ KelpHit hit, vec3 r) {
 KELP_FN uvec4 kelpCageCorners(KELP_CONTEXT_ KelpHit hit) {
   uint at = kelpCageCell(uint(hit.segment) >> 3u);
   ivec3 axes = kelpTetrahedronAxes(hit.segment & 7);
-  return uvec4(KELP_CAGE_WORD(at + 2u), KELP_CAGE_WORD(at + 2u + (1u << uint(axes.x))),
-               KELP_CAGE_WORD(at + 9u - (1u << uint(axes.z))), KELP_CAGE_WORD(at + 9u));
+  return uvec4(kelpCageNode(KELP_CONTEXT at, 0u), kelpCageNode(KELP_CONTEXT at, 1u << uint(axes.x)),
+               kelpCageNode(KELP_CONTEXT at, 7u - (1u << uint(axes.z))), kelpCageNode(KELP_CONTEXT at, 7u));
 }
 KELP_FN vec4 kelpCageShares(KELP_CONTEXT_ KelpHit hit) {
   vec3 f = kelpPlaceInCell(KELP_CONTEXT hit);

@@ -22,9 +22,11 @@ Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int leve
   Buffer<std::uint32_t> cells(memory.words.allocator());
   if (!cells.reset(std::uint64_t{kCageCellWords} * maker.cells())) return kNoMemory;
   if (const Result<void> r = maker.connect(cells.span()); !r) return r.error();
-  if (!memory.words.reset(maker.words()) || !memory.places.reset(maker.nodes())) return kNoMemory;
+  if (!memory.words.reset(maker.words()) || !memory.places.reset(maker.nodes()) ||
+      !memory.follows.reset(finer ? maker.nodes() : 0))
+    return kNoMemory;
   std::copy(cells.begin(), cells.end(), memory.words.begin() + kCageHeader);
-  return maker.write(memory.words.span(), memory.places.span(), source.follows, finer);
+  return maker.write(memory.words.span(), memory.places.span(), memory.follows.span(), finer);
 }
 
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) {
@@ -35,9 +37,8 @@ CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) 
   if (f[order[1]] > f[order[0]]) std::swap(order[0], order[1]);
   if (f[order[2]] > f[order[1]]) std::swap(order[1], order[2]);
   if (f[order[1]] > f[order[0]]) std::swap(order[0], order[1]);
-  const std::uint32_t* const corners = finer.cell(at) + 2;
   const int a = 1 << order[0], b = a | 1 << order[1];
-  return {{corners[0], corners[a], corners[b], corners[7]},
+  return {{finer.node(at, 0), finer.node(at, a), finer.node(at, b), finer.node(at, 7)},
           {1 - f[order[0]], f[order[0]] - f[order[1]], f[order[1]] - f[order[2]], f[order[2]]}};
 }
 

@@ -5,7 +5,11 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <utility>
 
+#include <glm/common.hpp>
+
+#include "kelp/formats/brick.h"
 #include "morton_walk.h"
 
 namespace kelp {
@@ -176,11 +180,15 @@ Result<void> CageMaker::nameNodes() {
         if (which > here) return wrongCage("the nodes of a cage's point are not numbered in their order");
         here = std::max(here, which + 1);
       }
+      // The second corner of a pair is at a later point.
       const auto corner = static_cast<std::uint32_t>(corners_[i]);
-      node(corner >> 3, static_cast<int>(corner & 7)) = node_count_ + which;
+      std::uint32_t& pair = cell(corner >> 3)[2 + (corner >> 1 & 3)];
+      pair = corner & 1 ? pair | (node_count_ + which - pair) << kCageNodeBits : node_count_ + which;
     }
     if (here < 2 && divided) return wrongCage("a cage's point of several nodes has one");
     node_count_ += here;
+    if (node_count_ > kMaxCageNodes)
+      return Error{ErrorCode::kLimit, "a cage has more than 4194304 nodes: it needs larger cells"};
   }
   if (split != source_.split_points.size() || number != source_.splits.size())
     return wrongCage("a cage's points of several nodes do not ascend, or are no corners of cells");
@@ -223,8 +231,8 @@ void CageMaker::joinCubes(const Cube& low, const Cube& high, int axis) {
     std::uint32_t a = first->cell, b = (next - 1)->cell;
     if (next - first == 2 && isOf(low, a) != isOf(low, b)) {
       if (!isOf(low, a)) std::swap(a, b);
-      cell(a)[10 + 2 * axis + 1] = b;
-      cell(b)[10 + 2 * axis] = a;
+      beyond(a, 2 * axis + 1) = b;
+      beyond(b, 2 * axis) = a;
     }
     first = next;
   }
@@ -232,23 +240,22 @@ void CageMaker::joinCubes(const Cube& low, const Cube& high, int axis) {
 
 // What lies beyond the faces of cells. A face that more than two cells have in common is boundary for all.
 void CageMaker::joinCells() {
-  for (std::uint32_t i = 0; i < cell_count_; ++i) std::fill_n(cell(i) + 10, 6, kCageOutside);
+  for (std::uint32_t i = 0; i < cell_count_; ++i) std::fill_n(&beyond(i, 0), 6, kCageOutside);
   for (const std::uint64_t entry : cubes_) {
     const auto first = static_cast<std::uint32_t>(entry);
-    const std::uint32_t place = cell(first)[0];
-    const glm::ivec3 at(place & 255, place >> 8 & 255, place >> 16);
+    const glm::ivec3 at = placeOf(first);
     const Cube here = cubeAt(at);
     for (int face = 0; face < 6; ++face) {
       glm::ivec3 to = at;
       to[face >> 1] += face & 1 ? 1 : -1;
       const Cube there = cubeAt(to);
       if (there.inside)
-        for (std::uint32_t i = first; i < first + here.count; ++i) cell(i)[10 + face] = kCageInside;
+        for (std::uint32_t i = first; i < first + here.count; ++i) beyond(i, face) = kCageInside;
       if (there.count > 0 && face & 1) joinCubes(here, there, face >> 1);
     }
   }
   for (std::uint32_t i = 0; i < cell_count_; ++i)
-    face_count_ += 2 * static_cast<std::uint32_t>(std::count(cell(i) + 10, cell(i) + 16, kCageOutside));
+    face_count_ += 2 * static_cast<std::uint32_t>(std::count(&beyond(i, 0), &beyond(i, 0) + 6, kCageOutside));
 }
 
 // The masks of all levels of a cell from the bits of the finest. False: there are none.
@@ -270,8 +277,48 @@ bool CageMaker::writeMask(const std::uint8_t* bits, std::uint32_t* words) const 
   return any;
 }
 
+// The finer cell that each node moves with: the nearest in the cubes around that hold cells, the first of
+// several; or what the source names, where these hold none or the point has several nodes.
+Result<void> CageMaker::follow(const Cage& finer, std::span<const std::uint32_t> places,
+                               std::span<std::uint32_t> follows) {
+  const int ratio = cage_.side / finer.side;
+  const auto distance = [&](const glm::ivec3& point, std::uint32_t other) {
+    const glm::ivec3 low = finer.place(other), gap = ratio * point - glm::clamp(ratio * point, low, low + 1);
+    return gap.x * gap.x + gap.y * gap.y + gap.z * gap.z;
+  };
+  std::fill(follows.begin(), follows.end(), kCageOutside);
+  // Both are in Morton order, so the finer cells of a cube lie together.
+  std::uint32_t next = 0;
+  const auto cubeOf = [&](std::uint32_t other) { return mortonCode(finer.place(other) / ratio); };
+  for (std::uint32_t i = 0; i < cell_count_; ++i) {
+    const glm::ivec3 at = placeOf(i);
+    const std::uint64_t cube = mortonCode(at);
+    while (next < finer.cells() && cubeOf(next) < cube) ++next;
+    for (; next < finer.cells() && cubeOf(next) == cube; ++next) {
+      for (std::uint32_t corner = 0; corner < 8; ++corner) {
+        const glm::ivec3 point = at + cornerOf(corner);
+        std::uint32_t& best = follows[node(i, static_cast<int>(corner))];
+        if (best == kCageOutside ||
+            std::pair(distance(point, next), next) < std::pair(distance(point, best), best))
+          best = next;
+      }
+    }
+  }
+  const Error wrong_count = wrongCage("a coarser cage names too few or too many cells that its nodes follow");
+  std::size_t named = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const bool alone =
+        (i == 0 || places[i - 1] != places[i]) && (i + 1 == places.size() || places[i + 1] != places[i]);
+    if (alone && follows[i] != kCageOutside) continue;
+    if (named == source_.follows.size()) return wrong_count;
+    follows[i] = source_.follows[named++];
+    if (follows[i] >= finer.cells()) return wrongCage("a node of a cage follows a cell that does not exist");
+  }
+  return named == source_.follows.size() ? Result<void>() : wrong_count;
+}
+
 Result<Cage> CageMaker::write(std::span<std::uint32_t> words, std::span<std::uint32_t> places,
-                              std::span<const std::uint32_t> follows, const Cage* finer) {
+                              std::span<std::uint32_t> follows, const Cage* finer) {
   cells_ = words.subspan(kCageHeader, std::size_t{kCageCellWords} * cell_count_);
   words[0] = cell_count_;
   words[1] = node_count_;
@@ -283,14 +330,12 @@ Result<Cage> CageMaker::write(std::span<std::uint32_t> words, std::span<std::uin
     return wrongCage("a cage's masks do not match the pieces of its cells");
   const std::uint8_t* bits = source_.masks.data();
   for (std::uint32_t i = 0; i < cell_count_; ++i) {
-    const std::uint32_t* const around = cell(i) + 10;
     for (std::uint32_t t = 0; t < 6; ++t) {
       const CageTetrahedron& order = kCageTetrahedra[t];
-      if (around[2 * order.axes[0] + 1] == kCageOutside) words[face++] = i << 5 | t << 2;
-      if (around[2 * order.axes[2]] == kCageOutside) words[face++] = i << 5 | t << 2 | 3;
+      if (beyond(i, 2 * order.axes[0] + 1) == kCageOutside) words[face++] = i << 5 | t << 2;
+      if (beyond(i, 2 * order.axes[2]) == kCageOutside) words[face++] = i << 5 | t << 2 | 3;
     }
-    const std::uint32_t place = cell(i)[0];
-    const glm::ivec3 at(place & 255, place >> 8 & 255, place >> 16);
+    const glm::ivec3 at = placeOf(i);
     for (std::uint32_t corner = 0; corner < 8; ++corner) {
       const glm::uvec3 point = glm::uvec3(at + cornerOf(corner));
       places[node(i, static_cast<int>(corner))] = point.x | point.y << 10 | point.z << 20;
@@ -301,10 +346,9 @@ Result<Cage> CageMaker::write(std::span<std::uint32_t> words, std::span<std::uin
     bits += cageMaskBytes(cage_);
     mask += maskWordsOf(cage_);
   }
-  if (follows.size() != (finer ? node_count_ : 0))
-    return wrongCage("a coarser cage does not say for each node what it follows, or the finest one does");
-  for (const std::uint32_t follow : follows)
-    if (follow >= finer->cells()) return wrongCage("a node of a cage follows a cell that does not exist");
+  if (!finer && !source_.follows.empty()) return wrongCage("the nodes of a part's finest cage follow cells");
+  if (finer)
+    if (const Result<void> r = follow(*finer, places, follows); !r) return r.error();
   Cage cage = cage_;
   cage.words = words;
   cage.places = places;

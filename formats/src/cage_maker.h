@@ -39,21 +39,28 @@ class CageMaker {
   std::uint64_t wordsFor(std::uint64_t faces) const;
 
   // words: words() of them, zero but for the cells, which are in their place already. places: nodes().
-  // follows: of the source. finer: null for the finest cage.
+  // follows: nodes(), or none for the finest cage. finer: null for that.
   Result<Cage> write(std::span<std::uint32_t> words, std::span<std::uint32_t> places,
-                     std::span<const std::uint32_t> follows, const Cage* finer);
+                     std::span<std::uint32_t> follows, const Cage* finer);
 
  private:
   struct Cube;
 
   std::uint32_t* cell(std::uint32_t i) { return &cells_[std::size_t{kCageCellWords} * i]; }
-  std::uint32_t& node(std::uint32_t i, int corner) { return cell(i)[2 + corner]; }
+  std::uint32_t node(std::uint32_t i, int corner) { return cageNode(cell(i), corner); }
+  std::uint32_t& beyond(std::uint32_t i, int face) { return cell(i)[6 + face]; }
+  glm::ivec3 placeOf(std::uint32_t cell) const {
+    const std::uint32_t place = cells_[std::size_t{kCageCellWords} * cell];
+    return {place & 255, place >> 8 & 255, place >> 16};
+  }
   Result<void> checkInsides() const;
   void placeCells();
   Result<void> nameNodes();
   Cube cubeAt(const glm::ivec3& at) const;
   void joinCells();
   void joinCubes(const Cube& low, const Cube& high, int axis);
+  Result<void> follow(const Cage& finer, std::span<const std::uint32_t> places,
+                      std::span<std::uint32_t> follows);
   bool writeMask(const std::uint8_t* bits, std::uint32_t* words) const;
 
   const CageSource& source_;

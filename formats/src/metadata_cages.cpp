@@ -37,7 +37,7 @@ class ArrayReader {
 struct CagePlan {
   Cage shape;
   CageSource source;
-  std::uint32_t nodes = 0, faces = 0, split_points = 0, splits = 0;
+  std::uint32_t nodes = 0, faces = 0, split_points = 0, splits = 0, followed = 0;
   std::size_t at = 0;  // its record in the chunk
   std::uint64_t words = 0;
 
@@ -49,7 +49,7 @@ struct CageTable {
   std::span<const std::byte> chunk;
   Metadata& out;
   Buffer<CagePlan> plans{out.allocator};
-  Buffer<std::uint32_t> split_points{out.allocator};  // of all cages
+  Buffer<std::uint32_t> numbers{out.allocator};  // the split points of all cages, then the followed cells
   ArrayReader arrays{chunk, 0};
 
   Error inRecord(const Error& error, const CagePlan& plan) const {
@@ -104,13 +104,22 @@ Result<void> CageTable::readRecords() {
       plan.faces = in.u32();
       plan.split_points = in.u32();
       plan.splits = in.u32();
+      plan.followed = in.u32();
     }
   }
   arrays = ArrayReader(chunk, in.at());
   return {};
 }
 
-// Finds all arrays but what coarser cages follow, and takes room for the cages.
+// Takes the first `count` of what is left.
+template <class T>
+std::span<T> take(std::span<T>& from, std::uint64_t count) {
+  const std::span<T> taken = from.first(static_cast<std::size_t>(count));
+  from = from.subspan(taken.size());
+  return taken;
+}
+
+// Finds all arrays, and takes room for the cages.
 Result<void> CageTable::measure() {
   const Error too_short = corrupt("the cage table's size does not match its counts", 0);
   for (CagePlan& plan : plans) {
@@ -120,7 +129,7 @@ Result<void> CageTable::measure() {
     if (!arrays.has(blocks)) return too_short;
     plan.source.blocks = arrays.bytes(blocks);
   }
-  std::uint64_t words = 0, transient = 0, points = 0;
+  std::uint64_t words = 0, transient = 0, points = 0, followed = 0;
   for (CagePlan& plan : plans) {
     CageMaker maker(plan.source, plan.shape, out.allocator);
     if (const Result<void> r = maker.count(); !r) return inRecord(r.error(), plan);
@@ -133,36 +142,35 @@ Result<void> CageTable::measure() {
     words += plan.words + plan.nodes + plan.followers();
     transient = std::max(transient, maker.transientBytes());
     points += plan.split_points;
+    followed += plan.followed;
   }
-  if (!arrays.has(points * sizeof(std::uint32_t))) return too_short;
-  if (!out.takeRoom(words, sizeof(std::uint32_t)) || transient + points * sizeof(std::uint32_t) > out.room)
-    return tooLarge();
-  if (!out.cage_words.reset(words) || !split_points.reset(points))
+  const std::uint64_t numbers_bytes = (points + followed) * sizeof(std::uint32_t);
+  if (!arrays.has(numbers_bytes)) return too_short;
+  if (!out.takeRoom(words, sizeof(std::uint32_t)) || transient + numbers_bytes > out.room) return tooLarge();
+  if (!out.cage_words.reset(words) || !numbers.reset(points + followed))
     return outOfMemory("no memory for the cages");
-  arrays.words(split_points.span());
+  std::span<std::uint32_t> cells = numbers.span(), split_points = take(cells, points);
+  arrays.words(split_points);
   for (CagePlan& plan : plans) {
     if (!arrays.has(plan.splits)) return too_short;
     plan.source.splits = arrays.bytes(plan.splits);
+  }
+  if (!arrays.has(cells.size_bytes())) return too_short;
+  arrays.words(cells);
+  if (!arrays.done()) return too_short;
+  for (CagePlan& plan : plans) {
+    plan.source.split_points = take(split_points, plan.split_points);
+    plan.source.follows = take(cells, plan.followed);
   }
   return {};
 }
 
 Result<void> CageTable::make() {
   std::span<std::uint32_t> memory = out.cage_words.span();
-  std::span<const std::uint32_t> points = split_points.span();
-  const auto take = [](auto& from, std::uint64_t count) {
-    const auto taken = from.first(static_cast<std::size_t>(count));
-    from = from.subspan(taken.size());
-    return taken;
-  };
   for (std::size_t i = 0; i < plans.size(); ++i) {
     CagePlan& plan = plans[i];
-    plan.source.split_points = take(points, plan.split_points);
     const std::span<std::uint32_t> words = take(memory, plan.words), places = take(memory, plan.nodes),
                                    follows = take(memory, plan.followers());
-    if (!arrays.has(follows.size_bytes()))
-      return corrupt("the cage table's size does not match its counts", 0);
-    arrays.words(follows);
     CageMaker maker(plan.source, plan.shape, out.allocator);
     if (const Result<void> r = maker.count(); !r) return inRecord(r.error(), plan);
     const Result<void> r =
@@ -175,7 +183,7 @@ Result<void> CageTable::make() {
     if (!cage) return inRecord(cage.error(), plan);
     out.cages[i] = *cage;
   }
-  return arrays.done() ? Result<void>() : corrupt("the cage table's size does not match its counts", 0);
+  return {};
 }
 
 }  // namespace

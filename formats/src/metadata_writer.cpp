@@ -266,6 +266,7 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
       to.count(cage->faces());
       to.count(part.cages[i].split_points.size());
       to.count(part.cages[i].splits.size());
+      to.count(part.cages[i].follows.size());
     }
   }
   const auto putAll = [&](auto array) {

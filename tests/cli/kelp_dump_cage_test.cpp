@@ -72,7 +72,7 @@ TEST_F(KelpDumpCage, InfoSaysWhatThereIs) {
   EXPECT_EQ(second["nodes"], naive.nodes.size());
   EXPECT_EQ(second["pieces"], naive.raw.masks.size() / 8);
   EXPECT_GT(second["faces"], 0);
-  EXPECT_GT(second["memory_bytes"], 64 * naive.cells.size());
+  EXPECT_GT(second["memory_bytes"], 48 * naive.cells.size());
   const test::ProcessResult text = test::runProcess({KELP_DUMP, "info", path});
   EXPECT_NE(text.out.find("; cells of 4; swept"), std::string::npos) << text.out;
 }

@@ -33,6 +33,7 @@ struct TrueCage {
   std::set<int> inside;
   std::vector<CellName> cells;  // in Morton order
   std::map<CellName, std::uint32_t> numbers;
+  std::vector<std::uint32_t> follows;  // one a node
   RawCage raw;
 
   int cubeAt(const glm::ivec3& at) const { return at.x + grid.x * (at.y + grid.y * at.z); }
@@ -140,9 +141,9 @@ void writeMasks(const fields::Occupancy& solid, TrueCage& cage) {
   }
 }
 
-// The finer cell that a node with these corners follows.
-std::uint32_t followOf(const TrueCage& cage, const TrueCage& finer, const glm::ivec3& point,
-                       const std::vector<CellName>& corners) {
+// The finer cell that a node with these corners follows, and true if one of these cells holds it.
+std::pair<std::uint32_t, bool> followOf(const TrueCage& cage, const TrueCage& finer, const glm::ivec3& point,
+                                        const std::vector<CellName>& corners) {
   std::pair<int, std::uint32_t> best{INT32_MAX, 0};
   const auto consider = [&](const CellName& cell) {
     const auto number = finer.numbers.find(cell);
@@ -153,9 +154,10 @@ std::uint32_t followOf(const TrueCage& cage, const TrueCage& finer, const glm::i
   };
   for (const CellName& corner : corners)
     for (const CellName& cell : cage.holds.at(corner)) consider(cell);
-  if (best.first == INT32_MAX)
+  const bool held = best.first != INT32_MAX;
+  if (!held)
     for (const auto& [cell, number] : finer.numbers) consider(cell);
-  return best.second;
+  return {best.second, held};
 }
 
 void findNodes(const TrueCage* finer, TrueCage& cage) {
@@ -176,6 +178,7 @@ void findNodes(const TrueCage* finer, TrueCage& cage) {
     std::map<CellName, int> node;
     std::vector<std::uint8_t> numbers;
     int nodes = 0;
+    std::vector<std::pair<std::uint32_t, bool>> follows;
     for (const auto& [code, cell] : corners) {
       if (!node.count(cell)) {
         std::vector<CellName> joined{cell};
@@ -190,10 +193,14 @@ void findNodes(const TrueCage* finer, TrueCage& cage) {
         ++nodes;
         if (finer) {
           std::erase_if(joined, [&](const CellName& one) { return cage.inside.count(one.first) != 0; });
-          cage.raw.follows.push_back(followOf(cage, *finer, point, joined));
+          follows.push_back(followOf(cage, *finer, point, joined));
         }
       }
       numbers.push_back(static_cast<std::uint8_t>(node[cell]));
+    }
+    for (const auto& [follow, held] : follows) {
+      cage.follows.push_back(follow);
+      if (nodes > 1 || !held) cage.raw.follows.push_back(follow);
     }
     if (nodes < 2) continue;
     cage.raw.split_points.push_back(static_cast<std::uint32_t>(p));
@@ -234,31 +241,6 @@ int levelsOf(const glm::ivec3& size) {
   return levels;
 }
 
-TEST(Cages, AreThoseOfBruteForce) {
-  for (const NamedVolume& volume : cageVolumes()) {
-    const glm::ivec3& size = volume.occupancy.size;
-    for (const int cell : {2, 4, 8, 16}) {
-      const int levels = levelsOf(size);
-      const std::vector<RawCage> cages =
-          fields::buildCages(fields::SolidBits(volume.occupancy, 1), levels, cell);
-      ASSERT_EQ(static_cast<int>(cages.size()), cageCount(cell, levels));
-      std::vector<TrueCage> truth;
-      for (int i = 0; i < cageCount(cell, levels); ++i) {
-        SCOPED_TRACE(volume.name + ", cells of " + std::to_string(cell) + ", cage " + std::to_string(i));
-        truth.push_back(trueCage(volume.occupancy, cell, i, i > 0 ? &truth.back() : nullptr));
-        const RawCage &made = cages[static_cast<std::size_t>(i)], &expected = truth.back().raw;
-        ASSERT_EQ(made.blocks, expected.blocks);
-        ASSERT_EQ(made.masks, expected.masks);
-        ASSERT_EQ(made.split_points, expected.split_points);
-        ASSERT_EQ(made.splits, expected.splits);
-        ASSERT_EQ(made.follows, expected.follows);
-      }
-    }
-  }
-}
-
-// --- in memory -----------------------------------------------------------------------------------
-
 struct InMemory {
   InMemory(const fields::Occupancy& solid, int levels, int cell)
       : raw(fields::buildCages(fields::SolidBits(solid, 1), levels, cell)), memory(raw.size()) {
@@ -275,6 +257,30 @@ struct InMemory {
   std::vector<Cage> cages;
   std::vector<CageMemory> memory;
 };
+
+TEST(Cages, AreThoseOfBruteForce) {
+  for (const NamedVolume& volume : cageVolumes()) {
+    const glm::ivec3& size = volume.occupancy.size;
+    for (const int cell : {2, 4, 8, 16}) {
+      const int levels = levelsOf(size);
+      const InMemory cages(volume.occupancy, levels, cell);
+      ASSERT_EQ(static_cast<int>(cages.cages.size()), cageCount(cell, levels));
+      std::vector<TrueCage> truth;
+      for (int i = 0; i < cageCount(cell, levels); ++i) {
+        SCOPED_TRACE(volume.name + ", cells of " + std::to_string(cell) + ", cage " + std::to_string(i));
+        truth.push_back(trueCage(volume.occupancy, cell, i, i > 0 ? &truth.back() : nullptr));
+        const RawCage &made = cages.raw[static_cast<std::size_t>(i)], &expected = truth.back().raw;
+        ASSERT_EQ(made.blocks, expected.blocks);
+        ASSERT_EQ(made.masks, expected.masks);
+        ASSERT_EQ(made.split_points, expected.split_points);
+        ASSERT_EQ(made.splits, expected.splits);
+        ASSERT_EQ(made.follows, expected.follows);
+        const std::span<const std::uint32_t> follows = cages.cages[static_cast<std::size_t>(i)].follows;
+        ASSERT_EQ(std::vector(follows.begin(), follows.end()), truth.back().follows);
+      }
+    }
+  }
+}
 
 // The cells that hold a voxel of a level.
 std::vector<std::uint32_t> holding(const Cage& cage, const std::vector<std::vector<std::uint32_t>>& cells_of,
@@ -321,7 +327,7 @@ void expectVoxelsHeld(const InMemory& made, int cell, int level, const fields::O
       for (int corner = 0; corner < 8 && !other.empty(); ++corner) {
         const glm::ivec3 in = at + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2) - to / side;
         if (std::min({in.x, in.y, in.z}) < 0 || std::max({in.x, in.y, in.z}) > 1) continue;
-        ASSERT_EQ(cage.cell(cells[0])[2 + corner], cage.cell(other[0])[2 + in.x + 2 * in.y + 4 * in.z]);
+        ASSERT_EQ(cage.node(cells[0], corner), cage.node(other[0], in.x + 2 * in.y + 4 * in.z));
       }
     });
   }

@@ -11,7 +11,7 @@
 namespace kelp::test {
 
 // Where things are in CAGE.
-inline constexpr std::size_t kCageRecords = 8, kCageBlocks = kCageRecords + std::size_t{4} * 16,
+inline constexpr std::size_t kCageRecords = 8, kCageBlocks = kCageRecords + std::size_t{4} * 20,
                              kBlockBlocks = kCageBlocks + 24 + 6 + 2, kCageMasks = kBlockBlocks + 125;
 inline std::size_t cageSplitPoints(const Bytes& chunk) {
   std::size_t at = kCageMasks;
@@ -23,7 +23,7 @@ inline std::size_t cageSplitPoints(const Bytes& chunk) {
 inline std::size_t cageSplits(const Bytes& chunk) {
   std::size_t at = cageSplitPoints(chunk);
   for (std::size_t i = 0; i < 4; ++i)
-    at += std::size_t{4} * get<std::uint32_t>(chunk, kCageRecords + std::size_t{16} * i + 8);
+    at += std::size_t{4} * get<std::uint32_t>(chunk, kCageRecords + std::size_t{20} * i + 8);
   return at;
 }
 
@@ -61,6 +61,21 @@ inline constexpr Lie kCageLies[] = {
      [](PackSurgeon& s) { set(s.content("CAGE"), 16, get<std::uint32_t>(s.content("CAGE"), 16) - 1); }},
     {"a split number less", kCorrupt,
      [](PackSurgeon& s) { set(s.content("CAGE"), 20, get<std::uint32_t>(s.content("CAGE"), 20) - 1); }},
+    {"a followed cell less", kCorrupt,
+     [](PackSurgeon& s) {
+       set(s.content("CAGE"), 44, get<std::uint32_t>(s.content("CAGE"), 44) - 1);
+       s.content("CAGE").resize(s.content("CAGE").size() - 4);
+     }},
+    {"a followed cell more", kCorrupt,
+     [](PackSurgeon& s) {
+       set(s.content("CAGE"), 44, get<std::uint32_t>(s.content("CAGE"), 44) + 1);
+       s.content("CAGE").resize(s.content("CAGE").size() + 4);
+     }},
+    {"the finest follows a cell", kCorrupt,
+     [](PackSurgeon& s) {
+       set(s.content("CAGE"), 24, 1u);
+       s.content("CAGE").resize(s.content("CAGE").size() + 4);
+     }},
     {"inside at the edge", kCorrupt,
      [](PackSurgeon& s) { set(s.content("CAGE"), kBlockBlocks, std::uint8_t{255}); }},
     {"inside beside nothing", kCorrupt,

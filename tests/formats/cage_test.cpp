@@ -112,7 +112,7 @@ void expectCage(const NaiveCage& naive, const Cage& cage) {
   std::vector<std::uint32_t> boundary;
   for (std::uint32_t i = 0; i < cage.cells(); ++i) {
     ASSERT_EQ(cage.place(i), naive.cells[i].cube);
-    for (int c = 0; c < 8; ++c) ASSERT_EQ(cage.cell(i)[2 + c], corners[i][static_cast<std::size_t>(c)]);
+    for (int c = 0; c < 8; ++c) ASSERT_EQ(cage.node(i, c), corners[i][static_cast<std::size_t>(c)]);
     std::array<std::uint32_t, 6> beyond{};
     for (int face = 0; face < 6; ++face) {
       glm::ivec3 next = naive.cells[i].cube;
@@ -125,7 +125,7 @@ void expectCage(const NaiveCage& naive, const Cage& cage) {
       std::uint32_t expected = inside ? kCageInside : kCageOutside;
       if (!inside && cells.size() == 2) expected = cells[0] == i ? cells[1] : cells[0];
       beyond[static_cast<std::size_t>(face)] = expected;
-      ASSERT_EQ(cage.cell(i)[10 + face], expected) << "cell " << i << " face " << face;
+      ASSERT_EQ(cage.beyond(i, face), expected) << "cell " << i << " face " << face;
     }
     for (std::uint32_t t = 0; t < 6; ++t) {
       for (std::uint32_t f = 0; f < 4; ++f) {
@@ -157,6 +157,7 @@ void expectCages(const glm::ivec3& size, int levels, int cell, const IsSolid& so
     ASSERT_TRUE(cage) << cage.error().detail;
     made[at].cage = *cage;
     expectCage(naive[at], *cage);
+    EXPECT_EQ(std::vector(cage->follows.begin(), cage->follows.end()), naive[at].follows);
     for (std::uint32_t node = 0; i > 0 && node < cage->nodes(); ++node) {
       const Cage& finer = made[at - 1].cage;
       const CageFollow follow = cageFollows(*cage, node, finer);
@@ -256,7 +257,7 @@ TEST(Cage, AFaceOfThreeCellsIsBoundary) {
   EXPECT_EQ(cage->nodes(), 12u);
   EXPECT_EQ(cage->faces(), 36u);
   for (std::uint32_t i = 0; i < 3; ++i)
-    for (int face = 0; face < 6; ++face) EXPECT_EQ(cage->cell(i)[10 + face], kCageOutside);
+    for (int face = 0; face < 6; ++face) EXPECT_EQ(cage->beyond(i, face), kCageOutside);
 }
 
 TEST(Cage, LimitsAreKept) {
@@ -302,10 +303,35 @@ TEST(Cage, WrongSourcesAreRefused) {
   MadeCage finer;
   finer.cage = *makeCage(NaiveCage({8, 8, 8}, 4, 0, test::isBlock).raw.source(), {8, 8, 8}, 2, 4, 0, nullptr,
                          kAnyMemory, finer.memory);
-  RawCage coarser{{1}, {}, {}, {}, {0, 1, 2, 3, 4, 5, 6, 7}};
-  EXPECT_FALSE(refuses(coarser, {8, 8, 8}, 4, &finer.cage));
-  coarser.follows[7] = 8;
-  EXPECT_TRUE(refuses(coarser, {8, 8, 8}, 4, &finer.cage));
+  EXPECT_FALSE(refuses({{1}, {}, {}, {}, {}}, {8, 8, 8}, 4, &finer.cage));
+  EXPECT_TRUE(refuses({{1}, {}, {}, {}, {0}}, {8, 8, 8}, 4, &finer.cage));
+  const auto coarser = [](std::vector<std::uint32_t> follows) {
+    std::vector<std::uint8_t> masks(16, 1);
+    return RawCage{{2}, std::move(masks), {5}, {0, 1}, std::move(follows)};
+  };
+  EXPECT_FALSE(refuses(coarser({7, 0}), {8, 8, 8}, 4, &finer.cage));
+  for (const std::vector<std::uint32_t>& follows : {std::vector<std::uint32_t>{}, {7}, {7, 8}, {7, 0, 0}})
+    EXPECT_TRUE(refuses(coarser(follows), {8, 8, 8}, 4, &finer.cage));
+  RawCage finest = block;
+  finest.follows = {0};
+  EXPECT_TRUE(refuses(finest, glm::ivec3(10), 2));
+}
+
+// A cube of the coarser cage holds no finer cell: the nodes that touch no other are told what they follow.
+TEST(Cage, NodesFollowTheNearestCellAround) {
+  RawCage raw{std::vector<std::uint8_t>(16), {}, {}, {}, {}};
+  raw.blocks[1] = raw.blocks[4] = 1;
+  MadeCage finer, coarser;
+  finer.cage = *makeCage(raw.source(), {16, 8, 8}, 2, 4, 0, nullptr, kAnyMemory, finer.memory);
+  ASSERT_EQ(finer.cage.cells(), 2u);
+  ASSERT_EQ(finer.cage.place(0), glm::ivec3(1, 0, 0));
+  const RawCage coarse{{1, 1}, {}, {}, {}, {1, 0, 1, 1}};
+  const Result<Cage> cage =
+      makeCage(coarse.source(), {16, 8, 8}, 2, 4, 1, &finer.cage, kAnyMemory, coarser.memory);
+  ASSERT_TRUE(cage) << cage.error().detail;
+  // Points by x, then y, then z. The ties go to cell 0.
+  EXPECT_EQ(std::vector(cage->follows.begin(), cage->follows.end()),
+            (std::vector<std::uint32_t>{0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 1}));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 """Cages, written from formats/SPEC.md, section 4.9, alone: cells, nodes, neighbors and boundary faces of what
 the table holds. It shares no code with kelp."""
 
+import collections
 import itertools
 
 OUTSIDE, INSIDE = 0xFFFFFFFF, 0xFFFFFFFE
@@ -128,6 +129,31 @@ class Cage:
                     self.faces.append(cell << 5 | tetrahedron << 2)
                 if beyond[2 * c] == OUTSIDE:
                     self.faces.append(cell << 5 | tetrahedron << 2 | 3)
+
+    def follow(self, finer, named):
+        """Which finer cell each node follows. named: those that the table names."""
+        ratio = self.side // finer.side
+        holds = {tuple(place): [] for place, _ in self.cells}  # the finer cells in a cube
+        for number, (place, _) in enumerate(finer.cells):
+            cube = tuple(p // ratio for p in place)
+            if cube in holds:
+                holds[cube].append((number, place))
+        here = collections.Counter(map(tuple, self.places))
+        named, self.follows = list(named), []
+        for place in self.places:
+            point = [p // self.side for p in place]
+            near = []
+            for step in itertools.product((0, 1), repeat=3):
+                for number, low in holds.get(tuple(p - s for p, s in zip(point, step)), ()):
+                    off = [max(l - ratio * p, ratio * p - l - 1, 0) for p, l in zip(point, low)]
+                    near.append((sum(d * d for d in off), number))
+            if here[tuple(place)] == 1 and near:
+                self.follows.append(min(near)[1])
+            else:
+                must(named, "too few followed cells")
+                self.follows.append(named.pop(0))
+        must(not named, "too many followed cells")
+        must(max(self.follows) < len(finer.cells), "a followed cell")
 
     @staticmethod
     def quad(nodes, face):

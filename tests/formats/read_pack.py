@@ -345,7 +345,7 @@ class Pack:
             for side, first, last in served(1 << log, part["levels"] if log else 0):
                 part["cages"].append(Cage(side, first, last, part["size"]))
             cages += part["cages"]
-        counts = [table.take("IIII") for _ in cages]
+        counts = [table.take("IIIII") for _ in cages]
         for cage in cages:
             cage.take_blocks(table.take("%dB" % cage.cubes))
         for cage in cages:
@@ -355,11 +355,14 @@ class Pack:
             cage.take_splits(point, table.take("%dB" % count[3]))
             cage.join()
             need((len(cage.places), len(cage.faces)) == count[:2], "number of nodes or faces")
-        for part in self.parts:
-            for finer, cage in zip(part["cages"], part["cages"][1:]):
-                cage.follows = table.take("%dI" % len(cage.places))
-                need(max(cage.follows) < len(finer.cells), "a followed cell")
+        named = [table.take("%dI" % count[4]) for count in counts]
         table.end()
+        for part in self.parts:
+            for finer, cage in zip([None] + part["cages"], part["cages"]):
+                if finer:
+                    cage.follow(finer, named.pop(0))
+                else:
+                    need(not named.pop(0), "the finest cage follows cells")
 
     # Section 5
     def read_levels(self):

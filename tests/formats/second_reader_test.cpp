@@ -103,8 +103,8 @@ std::string dump(const Cage& cage) {
   for (std::uint32_t i = 0; i < cage.cells(); ++i) {
     const glm::ivec3 place = cage.place(i);
     for (int axis = 0; axis < 3; ++axis) places.push_back(static_cast<std::uint32_t>(place[axis]));
-    nodes.insert(nodes.end(), cage.cell(i) + 2, cage.cell(i) + 10);
-    beyond.insert(beyond.end(), cage.cell(i) + 10, cage.cell(i) + 16);
+    for (int corner = 0; corner < 8; ++corner) nodes.push_back(cage.node(i, corner));
+    for (int face = 0; face < 6; ++face) beyond.push_back(cage.beyond(i, face));
   }
   for (std::uint32_t i = 0; i < cage.faces(); ++i) faces.push_back(cage.face(i));
   const std::span<const std::uint32_t> after =

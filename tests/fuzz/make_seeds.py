@@ -371,8 +371,8 @@ def restamped_seeds():
     for at, number in ((76, 1), (80, 0x7f800000), (128, 9), (196, 2)):
         yield "joints_%d.bin" % at, joints + record(6, at, number)
     yield "joints_hosts.bin", joints + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))
-    # Of CAGE a side, counts, blocks of each cage, a mask, split points and numbers, a followed cell.
-    for at in (6, 7, 8, 12, 16, 20, 72, 80, 97, 103, 104, 166, 229, 240, 280, 320, 400, 500, 600):
+    # Of CAGE a side, counts, blocks of each cage, a mask, split points and numbers, followed cells.
+    for at in (6, 7, 8, 12, 16, 20, 44, 88, 96, 113, 119, 120, 182, 245, 256, 296, 336, 416, 516, 616):
         for number in (0, 255):
             yield "cage_%d_%d.bin" % (at, number), cage + record(6, at, number, 0)
     yield "cage_hosts.bin", cage + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))

@@ -56,7 +56,7 @@ class CageRayMaker {
     const auto cell = static_cast<std::uint32_t>(random_() % cage.cells());
     const CageTetrahedron& t = kCageTetrahedra[random_() % 6];
     std::array<dvec3, 4> x;
-    for (std::size_t c = 0; c < 4; ++c) x[c] = posed_.node(cage.cell(cell)[2 + t.corners[c]]);
+    for (std::size_t c = 0; c < 4; ++c) x[c] = posed_.node(cage.node(cell, t.corners[c]));
     std::shuffle(x.begin(), x.end(), random_);
     dvec3 d = 2.0 * dvec3(unit(), unit(), unit()) - 1.0 + dvec3(1e-4, 0, 0);
     double a = unit(), b = unit();
@@ -102,10 +102,9 @@ class CageRayMaker {
   double unit() { return std::uniform_real_distribution<double>(0, 1)(random_); }
   // Where a point of a cell is, by its coordinates there.
   dvec3 posed(std::uint32_t cell, const CageTetrahedron& t, const dvec3& f) const {
-    const std::uint32_t* const nodes = posed_.cage().cell(cell) + 2;
-    dvec3 at = posed_.node(nodes[0]);
-    for (int e = 0; e < 3; ++e)
-      at += f[t.axes[e]] * (posed_.node(nodes[t.corners[e + 1]]) - posed_.node(nodes[t.corners[e]]));
+    const auto corner = [&](int i) { return posed_.node(posed_.cage().node(cell, t.corners[i])); };
+    dvec3 at = corner(0);
+    for (int e = 0; e < 3; ++e) at += f[t.axes[e]] * (corner(e + 1) - corner(e));
     return at;
   }
   // Close to a solid voxel of the cell, in one of its tetrahedra.

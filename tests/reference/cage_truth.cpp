@@ -71,16 +71,15 @@ CageTruth::CageTruth(const CagedLevel& level, std::span<const glm::vec3> nodes,
   const auto mask_bytes = static_cast<std::uint32_t>(finest * finest * finest / 8);
   std::uint32_t face = 0, mask = 0;
   for (std::uint32_t i = 0; i < cage.cells(); ++i) {
-    const std::uint32_t* const words = cage.cell(i);
     mask_at_.push_back(mask);
-    if (words[1] != 0) mask += mask_bytes;
+    if (cage.cell(i)[1] != 0) mask += mask_bytes;
     std::array<dvec3, 8> corners;
     for (int c = 0; c < 8; ++c) {
-      corners[static_cast<std::size_t>(c)] = dvec3(nodes_[words[2 + c]]);
-      const ivec3 p = cage.rest(words[2 + c]) / cage.side;
+      corners[static_cast<std::size_t>(c)] = dvec3(nodes_[cage.node(i, c)]);
+      const ivec3 p = cage.rest(cage.node(i, c)) / cage.side;
       for (int side = 0; side < 6; ++side)
-        if (words[10 + side] == kCageInside && (c >> (side >> 1) & 1) == (side & 1))
-          at_place[{p.x, p.y, p.z}] = words[2 + c];
+        if (cage.beyond(i, side) == kCageInside && (c >> (side >> 1) & 1) == (side & 1))
+          at_place[{p.x, p.y, p.z}] = cage.node(i, c);
     }
     add(cage.place(i), static_cast<int>(i), corners);
     cubes_.back().first_face = face;
@@ -177,7 +176,7 @@ bool CageTruth::isJoined(const Cube& cube, const ivec3& voxel) const {
   if (cube.cell < 0) return true;
   for (int a = 0; a < 3; ++a) {
     const int side = voxel[a] < 0 ? 2 * a : voxel[a] >= side_ ? 2 * a + 1 : -1;
-    if (side >= 0 && level_.cage->cell(static_cast<std::uint32_t>(cube.cell))[10 + side] == kCageOutside)
+    if (side >= 0 && level_.cage->beyond(static_cast<std::uint32_t>(cube.cell), side) == kCageOutside)
       return false;
   }
   return true;
@@ -287,7 +286,7 @@ std::vector<CageTruth::Start> CageTruth::starts(const dvec3& o, const dvec3& r, 
         const int face = static_cast<int>(word & 3);
         std::array<dvec3, 4> x;
         for (int c = 0; c < 4; ++c)
-          x[static_cast<std::size_t>(c)] = dvec3(nodes_[cage.cell(word >> 5)[2 + t.corners[c]]]) - o;
+          x[static_cast<std::size_t>(c)] = dvec3(nodes_[cage.node(word >> 5, t.corners[c])]) - o;
         // Its corners so that they turn left as seen from outside, at rest.
         const bool even = (t.axes[1] + 3 - t.axes[0]) % 3 == 1;
         std::array<dvec3, 3> p{x[face == 0 ? 1 : 0], x[face < 2 ? 2 : 1], x[face == 3 ? 2 : 3]};

@@ -108,10 +108,10 @@ void PosedTrial::makeTree() {
   std::vector<Box> tree(std::size_t{2} * leaves);
   Box fold;
   for (std::uint32_t i = 0; i < cage().cells(); ++i) {
-    for (int c = 0; c < 8; ++c) tree[leaves + i / kLeaf].add(nodes_[cage().cell(i)[2 + c]]);
+    for (int c = 0; c < 8; ++c) tree[leaves + i / kLeaf].add(nodes_[cage().node(i, c)]);
     for (int t = 0; t < 6; ++t) {
       if (!trace::kelpTetrahedron(context_, trace::kelpCageCell(i), t, {}, {}).turned) continue;
-      for (const int c : kCageTetrahedra[t].corners) fold.add(nodes_[cage().cell(i)[2 + c]]);
+      for (const int c : kCageTetrahedra[t].corners) fold.add(nodes_[cage().node(i, c)]);
     }
   }
   for (std::uint32_t i = leaves - 1; i > 0; --i) {

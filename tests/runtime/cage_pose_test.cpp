@@ -81,8 +81,7 @@ TEST(CagePose, AboveThePartTheMapGoesOnStraight) {
     for (std::uint32_t i = 0; i < cage.cells(); ++i) {
       if (8 * cage.place(i).y != 56) continue;
       ++seen;
-      const std::uint32_t* const corners = cage.cell(i) + 2;
-      const glm::vec3 at = glm::mix(nodes[corners[0]], nodes[corners[2]], 3.0f / 8);
+      const glm::vec3 at = glm::mix(nodes[cage.node(i, 0)], nodes[cage.node(i, 2)], 3.0f / 8);
       const glm::vec3 rest = glm::vec3(8 * cage.place(i)) + glm::vec3(0, 3, 0);
       const glm::vec3 there = toWorld(instance, 0, asset.toObject(rest)).value();
       EXPECT_LT(glm::distance(asset.toObject(at), there) / asset.part().to_object[1].y,
@@ -335,7 +334,8 @@ TEST(CagePose, BoxesHoldTheirCells) {
       std::vector<bool> used(posed.tree.size());
       std::uint32_t inverted = 0;
       for (std::uint32_t i = 0; i < cage.cells(); ++i) {
-        const std::uint32_t* const corners = cage.cell(i) + 2;
+        std::uint32_t corners[8];
+        for (int k = 0; k < 8; ++k) corners[k] = cage.node(i, k);
         for (std::uint32_t box = posed.leaves + i / kLeafCells; box > 0; box /= 2) {
           used[box] = true;
           for (int k = 0; k < 8; ++k) ASSERT_TRUE(holds(posed.tree[box], posed.nodes[corners[k]]));

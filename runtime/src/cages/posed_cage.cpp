@@ -44,7 +44,7 @@ struct FourCells {
   FourCells(const glm::vec3* nodes, const std::uint32_t* const (&cells)[4]) {
     for (int i = 0; i < 8; ++i) {
       const float* places[4];
-      for (int lane = 0; lane < 4; ++lane) places[lane] = &nodes[cells[lane][2 + i]].x;
+      for (int lane = 0; lane < 4; ++lane) places[lane] = &nodes[cageNode(cells[lane], i)].x;
       Lanes unused;
       loadFours(places, 0, corner[i].x, corner[i].y, corner[i].z, unused);
     }

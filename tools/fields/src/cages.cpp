@@ -234,7 +234,7 @@ class CageBuilder {
     return sorted_.number(kMostNodes, nodes_);
   }
 
-  // The finer cells that a point's nodes move with.
+  // The finer cells that a point's nodes move with, where the format's rule does not tell.
   void follow(const glm::ivec3& point, int nodes) {
     const CageLattice& fine = finer_->lattice_;
     std::vector<Nearest> nearest(static_cast<std::size_t>(nodes), {INT64_MAX, kCageOutside});
@@ -260,6 +260,7 @@ class CageBuilder {
         label += pieces;
       });
     }
+    if (nodes == 1 && nearest[0].cell != kCageOutside) return;
     for (Nearest& best : nearest) {
       if (best.cell == kCageOutside)
         for (const auto& [cube, cell] : finer_->numbers_)

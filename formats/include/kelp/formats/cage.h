@@ -18,11 +18,13 @@
 //   1            nodes
 //   2            faces
 //   3            binary logarithm of the side | finest level that it serves << 8 | coarsest << 16
-//   4 ..         16 words for each cell, in Morton order of their place, then in the order of pieces:
+//   4 ..         12 words for each cell, in Morton order of their place, then in the order of pieces:
 //                  0        its place: x | y << 8 | z << 16, in sides
 //                  1        where its masks begin, counted from word 0 of the cage; 0: it is the only piece
-//                  2 .. 9   its nodes; corner i is at x + (i & 1), y + (i >> 1 & 1), z + (i >> 2)
-//                  10 .. 15 the cell beyond its faces -x, +x, -y, +y, -z, +z; kCageOutside: there is none;
+//                  2 .. 5   its nodes; corner i is at x + (i & 1), y + (i >> 1 & 1), z + (i >> 2). Word 2 + i
+//                           has corners 2 i and 2 i + 1: the first | second - first << 22. Nodes are numbered
+//                           in the order of the lattice's points, x fastest, so that is 1 .. 511
+//                  6 .. 11  the cell beyond its faces -x, +x, -y, +y, -z, +z; kCageOutside: there is none;
 //                           kCageInside: the solid goes on, without a cell
 //   then         for each boundary face of a tetrahedron, that is one beyond which there is no cell:
 //                cell << 5 | tetrahedron << 2 | face
@@ -42,12 +44,14 @@
 namespace kelp {
 
 inline constexpr std::uint32_t kCageHeader = 4;      // words before the cells
-inline constexpr std::uint32_t kCageCellWords = 16;  // of a cell
+inline constexpr std::uint32_t kCageCellWords = 12;  // of a cell
 inline constexpr std::uint32_t kCageOutside = 0xffffffffu, kCageInside = 0xfffffffeu;
 inline constexpr int kMostCageCells = 256;            // along an axis
 inline constexpr std::uint8_t kInsideBlock = 255;     // in CageSource::blocks
 inline constexpr int kMostPieces = kInsideBlock - 1;  // in a cell's cube
 inline constexpr std::uint32_t kMaxCells = 1u << 27;  // of a cage
+inline constexpr int kCageNodeBits = 22;
+inline constexpr std::uint32_t kMaxCageNodes = 1u << kCageNodeBits;
 
 // The side of the cells in which a level is bent, in level-0 voxels. cell: that of level 0: 2, 4, 8 or 16.
 // Coarser levels have coarser cells, so that four of their voxels fit along one. Several levels may share a
@@ -86,9 +90,16 @@ struct CageSource {
   // most 256 nodes at a point.
   std::span<const std::uint32_t> split_points;
   std::span<const std::uint8_t> splits;
-  // Of coarser cages: for each node the cell of the next finer cage that it moves with: cageFollows().
+  // Of coarser cages: the cells of the next finer cage that nodes move with, where the rule of SPEC.md 4.9
+  // does not tell: for each node of split points, and of those where the cubes around hold no finer cell.
   std::span<const std::uint32_t> follows;
 };
+
+// The node at a corner of a cell, of its words.
+constexpr std::uint32_t cageNode(const std::uint32_t* cell, int corner) {
+  const std::uint32_t pair = cell[2 + corner / 2];
+  return (pair & (kMaxCageNodes - 1)) + (corner % 2 ? pair >> kCageNodeBits : 0);
+}
 
 // A cage in memory. The spans lie in memory that the Pack owns, or a CageMemory.
 struct Cage {
@@ -97,13 +108,17 @@ struct Cage {
   glm::ivec3 grid{0};                     // cells along each axis
   std::span<const std::uint32_t> words;   // as above
   std::span<const std::uint32_t> places;  // one a node: where the lattice is: x | y << 10 | z << 20, in sides
-  std::span<const std::uint32_t> follows;  // as in CageSource
+  // Of coarser cages, one a node: the cell of the next finer cage that it moves with: cageFollows().
+  std::span<const std::uint32_t> follows;
 
   std::uint32_t cells() const { return words[0]; }
   std::uint32_t nodes() const { return words[1]; }
   std::uint32_t faces() const { return words[2]; }
   // kCageCellWords words.
   const std::uint32_t* cell(std::uint32_t i) const { return &words[kCageHeader + kCageCellWords * i]; }
+  // Of a cell: the node at a corner, 0 .. 7; what is beyond a face, 0 .. 5.
+  std::uint32_t node(std::uint32_t cell, int corner) const { return cageNode(this->cell(cell), corner); }
+  std::uint32_t beyond(std::uint32_t cell, int face) const { return this->cell(cell)[6 + face]; }
   std::uint32_t face(std::uint32_t i) const { return words[kCageHeader + kCageCellWords * cells() + i]; }
   glm::ivec3 place(std::uint32_t cell) const { return unpack(this->cell(cell)[0], 8); }
   // Where a node is at rest, level-0 voxels.
@@ -119,9 +134,9 @@ struct Cage {
 
 struct CageMemory {
   CageMemory() = default;
-  explicit CageMemory(const Allocator& allocator) : words(allocator), places(allocator) {}
+  explicit CageMemory(const Allocator& allocator) : words(allocator), places(allocator), follows(allocator) {}
 
-  Buffer<std::uint32_t> words, places;
+  Buffer<std::uint32_t> words, places, follows;
 };
 
 // Which of the six permutations: the corners of tetrahedron t as bits, in their order: 0, a, a + b, 7.
@@ -144,7 +159,7 @@ CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer);
 // Makes the cage that `source` describes, in `memory`. size: of the part, level-0 voxels. levels: of the
 // part. cage: its number, finest first. finer: the next finer one; null for the finest. max_bytes: of what it
 // takes in memory. kCorrupt, with a text, for what breaks the rules of SPEC.md 4.9; kLimit; kOutOfMemory.
-// Safe for hostile sources: counts are checked before memory is taken. The cage's `follows` are the source's.
+// Safe for hostile sources: counts are checked before memory is taken.
 Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int levels, int cell, int cage,
                       const Cage* finer, std::uint64_t max_bytes, CageMemory& memory);
 

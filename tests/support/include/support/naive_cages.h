@@ -28,6 +28,7 @@ class NaiveCage {
   glm::ivec3 grid{0};
   std::vector<Cell> cells;  // in the order of the format
   std::vector<Node> nodes;
+  std::vector<std::uint32_t> follows;  // one a node
   RawCage raw;
 
   NaiveCage(const glm::ivec3& size, int cell, int cage, const IsSolid& solid)
@@ -46,24 +47,43 @@ class NaiveCage {
     nameNodes();
   }
 
+  // Nodes that share their point, and those without a finer cell in the cubes around, follow the nearest of
+  // all finer cells.
   void follow(const NaiveCage& finer) {
     for (const Node& node : nodes) {
-      const glm::ivec3 place = node.point * side;
-      std::size_t nearest = 0;
-      int least = 1 << 30;
-      for (std::size_t i = 0; i < finer.cells.size(); ++i) {
-        const glm::ivec3 low = finer.cells[i].cube * finer.side;
-        const glm::ivec3 off = place - glm::clamp(place, low, low + finer.side);
-        const int distance = off.x * off.x + off.y * off.y + off.z * off.z;
-        if (distance >= least) continue;
-        least = distance;
-        nearest = i;
-      }
-      raw.follows.push_back(static_cast<std::uint32_t>(nearest));
+      const auto sharing = std::count_if(nodes.begin(), nodes.end(),
+                                         [&](const Node& other) { return other.point == node.point; });
+      const auto around = nearestOf(finer, node.point, [&](const glm::ivec3& cube) {
+        return touchesPoint(cube, node.point) && raw.blocks[at(cube)] != kInsideBlock &&
+               raw.blocks[at(cube)] != 0;
+      });
+      const bool told = sharing == 1 && around != finer.cells.size();
+      const auto one = told ? around : nearestOf(finer, node.point, [](const glm::ivec3&) { return true; });
+      follows.push_back(static_cast<std::uint32_t>(one));
+      if (!told) raw.follows.push_back(follows.back());
     }
   }
 
  private:
+  static bool touchesPoint(const glm::ivec3& cube, const glm::ivec3& point) {
+    return point == glm::clamp(point, cube, cube + 1);
+  }
+  // The finer cell that is nearest to a point, of those whose cube of this cage will do.
+  std::size_t nearestOf(const NaiveCage& finer, const glm::ivec3& point,
+                        const std::function<bool(const glm::ivec3&)>& will_do) const {
+    std::size_t nearest = finer.cells.size();
+    int least = 1 << 30;
+    for (std::size_t i = 0; i < finer.cells.size(); ++i) {
+      const glm::ivec3 low = finer.cells[i].cube * finer.side;
+      const glm::ivec3 off = point * side - glm::clamp(point * side, low, low + finer.side);
+      const int distance = off.x * off.x + off.y * off.y + off.z * off.z;
+      if (distance >= least || !will_do(low / side)) continue;
+      least = distance;
+      nearest = i;
+    }
+    return nearest;
+  }
+
   std::size_t at(const glm::ivec3& cube) const {
     return static_cast<std::size_t>(cube.x + grid.x * (cube.y + grid.y * cube.z));
   }

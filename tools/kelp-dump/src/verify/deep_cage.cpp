@@ -32,8 +32,7 @@ class Cubes {
     };
     for (std::uint32_t i = 0; i < cage.cells(); ++i)
       for (int face = 0; face < 6; ++face)
-        find(beside(cage.place(i), face),
-             cage.cell(i)[10 + face] == kCageInside ? Kind::kInside : Kind::kEmpty);
+        find(beside(cage.place(i), face), cage.beyond(i, face) == kCageInside ? Kind::kInside : Kind::kEmpty);
     for (std::size_t i = 0; i < found.size(); ++i)
       for (int face = 0; face < 6; ++face)
         find(beside(glm::ivec3(found[i]), face), kinds_[denseIndex(cage_.grid, glm::ivec3(found[i]))]);
