@@ -14,21 +14,27 @@ KELP_LOCATION(1) flat out int kelp_texel;  // of the record
 #ifdef KELP_CAGED_ONLY
 KELP_LOCATION(2) flat out uint kelp_face;  // as in the list of boundary faces
 
+// A node at a corner of a cell: kelp/formats/cage.h.
+vec3 kelpCorner(uint cell, uint corner) {
+  uint pair = KELP_CAGE_WORD(6u + 12u * cell + (corner >> 1u));
+  return KELP_NODE((pair & 0x3fffffu) + (corner & 1u) * (pair >> 22u));
+}
+
 // The vertex's place in part space. False: its face has no part in the picture.
 bool kelpFaceVertex(int vertex) {
   int number = vertex / 3;
   uint faces = kelpRecordBits(kelp_record + KELP_RECORD + 1).w;
   if (uint(number) >= faces || kelp_cage_at == 0u) return false;
-  kelp_face = KELP_CAGE_WORD(4u + 16u * KELP_CAGE_WORD(0u) + uint(number));
-  uint nodes = 6u + 16u * (kelp_face >> 5u);
+  kelp_face = KELP_CAGE_WORD(4u + 12u * KELP_CAGE_WORD(0u) + uint(number));
+  uint cell = kelp_face >> 5u;
   uint order = (kelp_face >> 2u) & 7u;
   // The tetrahedron's corners but 0 and 7; its faces on the boundary are 0 and 3.
   uint a = 1u << (order >> 1u);
   uint b = 7u - (1u << ((294u >> (2u * order)) & 3u));  // the last axes: 2 1 2 0 1 0
   bool low = (kelp_face & 3u) != 0u;
-  vec3 p0 = KELP_NODE(KELP_CAGE_WORD(nodes + (low ? 0u : a)));
-  vec3 p1 = KELP_NODE(KELP_CAGE_WORD(nodes + (low ? a : b)));
-  vec3 p2 = KELP_NODE(KELP_CAGE_WORD(nodes + (low ? b : 7u)));
+  vec3 p0 = kelpCorner(cell, low ? 0u : a);
+  vec3 p1 = kelpCorner(cell, low ? a : b);
+  vec3 p2 = kelpCorner(cell, low ? b : 7u);
   vec3 outward = cross(p1 - p0, p2 - p0);
   // Tetrahedra 0, 3 and 4 turn to the right.
   if (low == (order == 0u || order == 3u || order == 4u)) outward = -outward;

@@ -79,7 +79,7 @@ class BruteCage {
     glm::dvec3 now[4], rest[4];
     for (int k = 0; k < 4; ++k) {
       const int c = t.corners[k];
-      now[k] = nodes[cell[2 + c]];
+      now[k] = nodes[cageNode(cell, c)];
       rest[k] = double(cage_.side) * glm::dvec3(cage_.place(number) + glm::ivec3(c & 1, c >> 1 & 1, c >> 2));
     }
     const glm::dmat3 edges(now[1] - now[0], now[2] - now[0], now[3] - now[0]);
@@ -108,7 +108,7 @@ class BruteCage {
     // Into the inside, by a face of the cell. All around it is solid.
     const glm::dvec3 out = (q + in.to * dq) / double(cage_.side) - glm::dvec3(cage_.place(number));
     for (const int face : {2 * t.axes[0] + 1, 2 * t.axes[2]}) {
-      if (cell[10 + face] != kCageInside || in.to >= first.s) continue;
+      if (cell[6 + face] != kCageInside || in.to >= first.s) continue;
       if (std::abs(out[face / 2] - face % 2) < 1e-6) first = {in.to, glm::ivec3(-1), q + in.to * dq};
     }
   }

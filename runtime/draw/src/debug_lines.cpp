@@ -90,11 +90,11 @@ void DebugLines::addCage(const RecordHead& part, const Cage& cage) {
   const auto* const nodes = reinterpret_cast<const glm::vec4*>(&part + 1) + kCageHeadTexels;
   for (std::uint32_t i = 0; i < cage.faces(); ++i) {
     const std::uint32_t face = cage.face(i);
-    const std::uint32_t* const corners = cage.cell(face >> 5) + 2;
+    const std::uint32_t* const cell = cage.cell(face >> 5);
     const int(&order)[4] = kCageTetrahedra[face >> 2 & 7].corners;
     const int first = (face & 3) == 0 ? 1 : 0;
     glm::vec4 at[3];
-    for (int k = 0; k < 3; ++k) at[k] = toClip(part, glm::vec3(nodes[corners[order[first + k]]]));
+    for (int k = 0; k < 3; ++k) at[k] = toClip(part, glm::vec3(nodes[cageNode(cell, order[first + k])]));
     addLine(at[0], at[1], kCageColor);
     addLine(at[1], at[2], kCageColor);
   }
