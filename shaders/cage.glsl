@@ -285,75 +285,70 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
 #endif
   vec2 fold = kelpFoldRange(KELP_CONTEXT o, r);
   float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
-  uint cell = face >> 5u;
-  int number = int((face >> 2u) & 7u);
-  int entry = int(face & 3u);
   vec3 from = o;
-  float s = 0.0f;
-  int tries = 1;
-  int turns = 0;  // steps without a way
-  bool going = number < 6;
-  while (going && hit.clips < KELP_MAX_TETRAHEDRA) {
-    ++hit.clips;
-    uint at = kelpCageCell(cell);
-    KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, from, r);
-    float way = g.turned ? -1.0f : 1.0f;
-    uint high = kelpCageBeyond(KELP_CONTEXT at, 2 * g.axes.x + 1);
-    uint low = kelpCageBeyond(KELP_CONTEXT at, 2 * g.axes.z);
-    // The faces towards which the ray goes, and when it is there. Beyond the boundary there is no way back,
-    // so it lies a little farther out.
-    vec4 towards = -way * g.slope;
-    float slack = g.det * (KELP_CAGE_SLACK / side);
-    float f_0 = g.f.x + (high == KELP_CAGE_OUTSIDE ? slack : 0.0f);
-    float f_3 = g.f.w + (low == KELP_CAGE_OUTSIDE ? slack : 0.0f);
-    // Those along which it goes, but for rounding, are not crossed.
-    vec4 speed = abs(g.slope);
-    float least = 1e-5f * max(max(speed.x, speed.y), max(speed.z, speed.w));
-    float to_0 = entry != 0 && towards.x > least ? f_0 / towards.x : KELP_NEVER;
-    float to_1 = entry != 1 && towards.y > least ? g.f.y / towards.y : KELP_NEVER;
-    float to_2 = entry != 2 && towards.z > least ? g.f.z / towards.z : KELP_NEVER;
-    float to_3 = entry != 3 && towards.w > least ? f_3 / towards.w : KELP_NEVER;
-    float leave = min(min(to_0, to_1), min(to_2, to_3));
-    int exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
-    if (!(leave < KELP_NEVER)) {
-      // Flat, or rounding: by the face that is nearest to being crossed.
-      to_0 = entry != 0 ? -towards.x : KELP_NEVER;
-      to_1 = entry != 1 ? -towards.y : KELP_NEVER;
-      to_2 = entry != 2 ? -towards.z : KELP_NEVER;
-      to_3 = entry != 3 ? -towards.w : KELP_NEVER;
-      leave = min(min(to_0, to_1), min(to_2, to_3));
-      exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
-      leave = way * s;
-    }
-    float out_s = g.turned ? min(-leave, s) : max(leave, s);
+  int tries = 0;
+  bool again = ((face >> 2u) & 7u) < 6u;
+  while (again) {
+    uint cell = face >> 5u;
+    int number = int((face >> 2u) & 7u);
+    int entry = int(face & 3u);
+    float s = 0.0f;
+    int turns = 0;  // steps without a way
+    bool lost = false;
+    bool going = true;
+    while (going && hit.clips < KELP_MAX_TETRAHEDRA) {
+      ++hit.clips;
+      uint at = kelpCageCell(cell);
+      KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, from, r);
+      float way = g.turned ? -1.0f : 1.0f;
+      uint high = kelpCageBeyond(KELP_CONTEXT at, 2 * g.axes.x + 1);
+      uint low = kelpCageBeyond(KELP_CONTEXT at, 2 * g.axes.z);
+      // The faces towards which the ray goes, and when it is there. Beyond the boundary there is no way back,
+      // so it lies a little farther out.
+      vec4 towards = -way * g.slope;
+      float slack = g.det * (KELP_CAGE_SLACK / side);
+      float f_0 = g.f.x + (high == KELP_CAGE_OUTSIDE ? slack : 0.0f);
+      float f_3 = g.f.w + (low == KELP_CAGE_OUTSIDE ? slack : 0.0f);
+      // Those along which it goes, but for rounding, are not crossed.
+      vec4 speed = abs(g.slope);
+      float least = 1e-5f * max(max(speed.x, speed.y), max(speed.z, speed.w));
+      float to_0 = entry != 0 && towards.x > least ? f_0 / towards.x : KELP_NEVER;
+      float to_1 = entry != 1 && towards.y > least ? g.f.y / towards.y : KELP_NEVER;
+      float to_2 = entry != 2 && towards.z > least ? g.f.z / towards.z : KELP_NEVER;
+      float to_3 = entry != 3 && towards.w > least ? f_3 / towards.w : KELP_NEVER;
+      float leave = min(min(to_0, to_1), min(to_2, to_3));
+      int exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
+      if (!(leave < KELP_NEVER)) {
+        // Flat, or rounding: by the face that is nearest to being crossed.
+        to_0 = entry != 0 ? -towards.x : KELP_NEVER;
+        to_1 = entry != 1 ? -towards.y : KELP_NEVER;
+        to_2 = entry != 2 ? -towards.z : KELP_NEVER;
+        to_3 = entry != 3 ? -towards.w : KELP_NEVER;
+        leave = min(min(to_0, to_1), min(to_2, to_3));
+        exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
+        leave = way * s;
+      }
+      float out_s = g.turned ? min(-leave, s) : max(leave, s);
 
-    uint next = exit == 0 ? high : (exit == 3 ? low : cell);
-    float reached = out_s;
-    vec2 range = vec2(max(s, s_min), min(out_s, hit.s));
-    if (!g.turned && range.x <= range.y) {
-      bool enters = next == KELP_CAGE_INSIDE && range.y == out_s;
-      hit = kelpMarchTetrahedron(KELP_CONTEXT g, cell, 0.0f, range, enters ? exit : -1, hit);
-      if (hit.found && hit.s <= range.y) reached = hit.s;
-    }
-    going = reached < hit.s || (hit.s > fold.x && reached < fold.y);
-    // Out of the cage, close to another face than the one it leaves by? Or round an edge without end?
-    float more = exit == 0 ? (f_0 - g.f.x) / towards.x : (exit == 3 ? (f_3 - g.f.w) / towards.w : 0.0f);
-    vec4 there = g.f + (out_s - way * more) * g.slope;
-    int touched = (there.x <= 2.0f * slack ? 1 : 0) + (there.y <= 2.0f * slack ? 1 : 0) +
-                  (there.z <= 2.0f * slack ? 1 : 0) + (there.w <= 2.0f * slack ? 1 : 0);
-    turns = out_s == s ? turns + 1 : 0;
-    bool lost = turns > KELP_CAGE_TURNS || (next >= KELP_CAGE_INSIDE && touched > 1);
-    bool again = going && !hit.found && lost && tries < KELP_CAGE_TRIES;
-    going = going && (next < KELP_CAGE_INSIDE || again);
-    s = again ? 0.0f : out_s;
-    if (again) {
-      from = kelpNudged(KELP_CONTEXT face, o, tries);
-      ++tries;
-      turns = 0;
-      cell = face >> 5u;
-      number = int((face >> 2u) & 7u);
-      entry = int(face & 3u);
-    } else {
+      uint next = exit == 0 ? high : (exit == 3 ? low : cell);
+      float reached = out_s;
+      vec2 range = vec2(max(s, s_min), min(out_s, hit.s));
+      if (!g.turned && range.x <= range.y) {
+        bool enters = next == KELP_CAGE_INSIDE && range.y == out_s;
+        hit = kelpMarchTetrahedron(KELP_CONTEXT g, cell, 0.0f, range, enters ? exit : -1, hit);
+        if (hit.found && hit.s <= range.y) reached = hit.s;
+      }
+      going = reached < hit.s || (hit.s > fold.x && reached < fold.y);
+      // Out of the cage, close to another face than the one it leaves by? Or round an edge without end?
+      float more = exit == 0 ? (f_0 - g.f.x) / towards.x : (exit == 3 ? (f_3 - g.f.w) / towards.w : 0.0f);
+      vec4 there = g.f + (out_s - way * more) * g.slope;
+      int touched = (there.x <= 2.0f * slack ? 1 : 0) + (there.y <= 2.0f * slack ? 1 : 0) +
+                    (there.z <= 2.0f * slack ? 1 : 0) + (there.w <= 2.0f * slack ? 1 : 0);
+      turns = out_s == s ? turns + 1 : 0;
+      lost = turns > KELP_CAGE_TURNS || (next >= KELP_CAGE_INSIDE && touched > 1);
+      again = going && !hit.found && lost;
+      going = going && !lost && next < KELP_CAGE_INSIDE;
+      s = out_s;
       cell = next;
       ivec3 axes = g.axes;
       number = exit == 0   ? kelpTetrahedronNumber(axes.y, axes.z)
@@ -362,6 +357,9 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
                            : kelpTetrahedronNumber(axes.z, axes.x);
       entry = exit == 0 || exit == 3 ? 3 - exit : exit;
     }
+    ++tries;
+    again = again && tries < KELP_CAGE_TRIES && hit.clips < KELP_MAX_TETRAHEDRA;
+    if (again) from = kelpNudged(KELP_CONTEXT face, o, tries);
   }
   return hit;
 }
