@@ -41,7 +41,7 @@ KELP_FN KelpCrossing kelpCrossFace(KelpCrossing before, int face, float f, float
 // What a ray through the tree has found.
 struct KelpCageSearch {
   KelpHit hit;
-  float first;    // where the ray first enters a tetrahedron from anywhere but the inside
+  float first;    // where the ray first enters a tetrahedron from anywhere but the inside, or inverted ones
   float emerges;  // where it first does from the inside, of which tetrahedron and by which face
   uint from_cell;
   int from_tetrahedron;
@@ -110,7 +110,8 @@ KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, vec3 o, vec3 r, ve
 // The first solid voxel of a caged part along o + s r, s in [s_min, s_max]; o and r as in kelpTrace. Exact in
 // every pose: it walks down the tree, the nearer box first, and tests all tetrahedra of the cells that it
 // comes to. Bit i of `farther`: i levels above there is a farther box to come back to.
-// Cells do not fill the solid: a ray that begins in the inside first meets a tetrahedron from there.
+// Cells do not fill the solid: a ray that begins in the inside first meets a tetrahedron from there, before
+// the box around inverted ones.
 KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
   KelpCageSearch found;
   found.hit = kelpNoHit(s_max);
@@ -119,12 +120,12 @@ KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
   found.from_cell = 0u;
   found.from_tetrahedron = 0;
   found.from_face = 0;
-  vec3 fold_low = KELP_CAGE_FOLD_LOW;
-  vec3 fold_high = KELP_CAGE_FOLD_HIGH;
+  vec2 fold = kelpFoldRange(KELP_CONTEXT o, r);
   vec3 begin = o + s_min * r;
   vec3 beside = max(KELP_BOUNDS_MIN - begin, begin - KELP_BOUNDS_MAX);
-  // It cannot begin inside, or nothing can be said of that.
-  if (max(beside.x, max(beside.y, beside.z)) > 0.0f || fold_low.x <= fold_high.x) found.first = -KELP_NEVER;
+  // From where it meets inverted tetrahedra nothing can be said; out of the bounds it cannot begin inside.
+  if (fold.x <= fold.y && fold.y >= s_min) found.first = fold.x;
+  if (max(beside.x, max(beside.y, beside.z)) > 0.0f) found.first = -KELP_NEVER;
   vec3 per = kelpPerDirection(r);
   int leaves = KELP_CAGE_LEAVES;
   uint cells = KELP_CAGE_WORD(0u);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
 
 #include "cage_maker.h"
 
@@ -31,15 +30,20 @@ Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int leve
 
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) {
   const std::uint32_t at = cage.follows[node];
-  const glm::vec3 f =
-      glm::vec3(cage.rest(node) - finer.side * finer.place(at)) / static_cast<float>(finer.side);
-  int order[3] = {0, 1, 2};
-  if (f[order[1]] > f[order[0]]) std::swap(order[0], order[1]);
-  if (f[order[2]] > f[order[1]]) std::swap(order[1], order[2]);
-  if (f[order[1]] > f[order[0]]) std::swap(order[0], order[1]);
-  const int a = 1 << order[0], b = a | 1 << order[1];
-  return {{finer.node(at, 0), finer.node(at, a), finer.node(at, b), finer.node(at, 7)},
-          {1 - f[order[0]], f[order[0]] - f[order[1]], f[order[1]] - f[order[2]], f[order[2]]}};
+  // In sides of the finer cell.
+  const glm::ivec3 f = (cage.rest(node) - finer.side * finer.place(at)) / finer.side;
+  const auto isCorner = [](int along) { return along == 0 || along == 1; };
+  const bool corner = isCorner(f.x) && isCorner(f.y) && isCorner(f.z);
+  CageFollow follow;
+  for (int i = 0; i < 8; ++i) {
+    const glm::ivec3 bits(i & 1, i >> 1 & 1, i >> 2);
+    const auto towards = [&](int a) {
+      return (bits[a] == 1 ? 0.25f : -0.25f) * (static_cast<float>(f[a]) - 0.5f);
+    };
+    follow.nodes[i] = finer.node(at, i);
+    follow.weights[i] = corner ? (bits == f ? 1.0f : 0.0f) : 0.125f + towards(0) + towards(1) + towards(2);
+  }
+  return follow;
 }
 
 }  // namespace kelp

@@ -271,12 +271,6 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const AssetOpti
   if (Result<void> prepared = impl->clips.prepare(impl->pack.parts(), impl->pack.clips()); !prepared)
     return prepared.error();
   if (Result<void> prepared = impl->prepareLevels(); !prepared) return prepared.error();
-  const std::span<const Part> parts = impl->pack.parts();
-  if (std::any_of(parts.begin(), parts.end(), [](const Part& part) { return !part.cages.empty(); })) {
-    Result<Pose> rest = PoseWriter::create(parts, options.allocator);
-    if (!rest) return rest.error();
-    impl->rest = *std::move(rest);
-  }
   if (!impl->absent_clip.prepare("clip", impl->pack.clips()) ||
       !impl->absent_part.prepare("part", impl->pack.parts()) ||
       !impl->absent_socket.prepare("socket", impl->pack.sockets()) ||
@@ -380,6 +374,23 @@ std::optional<int> Asset::residentLevel(int part, int wanted) const {
   return std::nullopt;
 }
 
-std::uint64_t Asset::memory() const { return impl_->used_bytes.load(std::memory_order_relaxed); }
+Result<const Pose*> RestPose::of(const Asset& asset) {
+  Asset::Impl& impl = asset.impl();
+  if (impl.rest_bytes.load(std::memory_order_acquire) == 0) {
+    const std::lock_guard lock(impl.rest_mutex);
+    if (impl.rest_bytes.load(std::memory_order_relaxed) == 0) {
+      Result<Pose> rest = PoseWriter::create(impl.pack.parts(), impl.options.allocator);
+      if (!rest) return rest.error();
+      impl.rest = *std::move(rest);
+      impl.rest_bytes.store(PoseWriter::bytes(impl.rest), std::memory_order_release);
+    }
+  }
+  return &impl.rest;
+}
+
+std::uint64_t Asset::memory() const {
+  return impl_->used_bytes.load(std::memory_order_relaxed) +
+         impl_->rest_bytes.load(std::memory_order_relaxed);
+}
 
 }  // namespace kelp::runtime

@@ -123,7 +123,9 @@ struct Asset::Impl {
   Pack pack;
   AssetOptions options;
   simd::ClipTables clips;
-  Pose rest;                        // of no part if the pack has no cages
+  Pose rest;                                 // for parts with cages, made at its first use
+  std::atomic<std::uint64_t> rest_bytes{0};  // of it; 0: it is not made
+  std::mutex rest_mutex;
   Buffer<char> name;                // of the file, without its folder; empty: opened from a source
   std::atomic<bool> pumped{false};  // pump() or loadAll() was called
   AbsentName absent_clip, absent_part, absent_socket, absent_joint;
@@ -151,7 +153,7 @@ struct Asset::Impl {
   bool any_error = false;
   bool retry_wanted = false;  // nothing is begun until nothing is in hand and what failed is absent again
   std::atomic<std::uint64_t> used_bytes{0};
-  std::uint64_t page_bytes = 0;  // of these, the pages of levels that are not a coarsest one
+  std::atomic<std::uint64_t> page_bytes{0};  // of these, the pages of levels that are not a coarsest one
   // How many pages findIdle() and findAsked() keep.
   static constexpr std::size_t kKept = 64;
   // [idle_next, idle_count): the pages that were not used for longest, the oldest first.
@@ -187,7 +189,8 @@ struct NameReader {
 
 // Access for posedCage().
 struct RestPose {
-  static const Pose& of(const Asset& asset) { return asset.impl().rest; }
+  // The pose of instances without one. kOutOfMemory.
+  static Result<const Pose*> of(const Asset& asset);
 };
 
 // Access to distances for queries, without a search.
@@ -237,6 +240,16 @@ class PageReader {
     }
     return found;
   }
+  // Uses all pages of the level that are in memory, so that they stay there: once a round.
+  void keep(const LevelState& level) const {
+    if (level.kept.exchange(now_, std::memory_order_relaxed) == now_) return;
+    for (std::uint32_t page = 0; page < level.data.pages.size(); ++page)
+      if (level.pages[page].words.load(std::memory_order_relaxed))
+        level.pages[page].used.store(now_, std::memory_order_relaxed);
+  }
+  // Asks for the first missing pages of a level of which all are wanted, and keeps the others, if all fit
+  // into the budget beside those of a level that is in use, and none of them failed.
+  void askAhead(const LevelState& level, const LevelState& in_use) const;
 
  private:
   Asset::Impl& impl_;

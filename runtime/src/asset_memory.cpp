@@ -14,7 +14,11 @@ void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
     if (slot.pins.load(std::memory_order_acquire) == 0)
       words = slot.words.exchange(nullptr, std::memory_order_relaxed);
     // Under the lock, so that no reader takes the level for complete.
-    if (words) level.resident.fetch_sub(1, std::memory_order_relaxed);
+    if (words) {
+      level.resident.fetch_sub(1, std::memory_order_relaxed);
+      if (page < level.first_missing.load(std::memory_order_relaxed))
+        level.first_missing.store(page, std::memory_order_relaxed);
+    }
   }
   if (!words) return;
   const std::uint64_t bytes = level.pageBytes(page);
@@ -109,6 +113,28 @@ bool Asset::Impl::makeRoom(std::uint64_t bytes, bool coarsest) {
   }
   used_bytes.fetch_add(bytes, std::memory_order_relaxed);
   return true;
+}
+
+void PageReader::askAhead(const LevelState& level, const LevelState& in_use) const {
+  constexpr int kAhead = 16;
+  const std::uint64_t used = impl_.used_bytes.load(std::memory_order_relaxed),
+                      pages = impl_.page_bytes.load(std::memory_order_relaxed),
+                      wanted = level.page_bytes + (in_use.dropsPages() ? in_use.page_bytes : 0);
+  if (used - std::min(used, pages) + wanted > impl_.options.memory_budget) return;
+  keep(level);
+  const auto count = static_cast<std::uint32_t>(level.data.pages.size());
+  const auto isThere = [&](std::uint32_t page) {
+    return level.pages[page].words.load(std::memory_order_relaxed) != nullptr;
+  };
+  std::uint32_t page = level.first_missing.load(std::memory_order_relaxed);
+  while (page < count && isThere(page)) ++page;
+  level.first_missing.store(page, std::memory_order_relaxed);
+  for (int asked = 0; page < count && asked < kAhead; ++page) {
+    if (level.pages[page].failed.load(std::memory_order_relaxed)) return;
+    if (isThere(page)) continue;
+    impl_.ask(level, page, 1.0f, now_);
+    ++asked;
+  }
 }
 
 // Bytes that the task will add to used_bytes.

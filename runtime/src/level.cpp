@@ -39,6 +39,8 @@ Result<void> LevelState::load(const Pack& pack, const Allocator& allocator) {
   pages[count].words.store(const_cast<std::uint32_t*>(kSolidBrick.data()),  // NOLINT: only read
                            std::memory_order_relaxed);
   absent = static_cast<std::uint32_t>(count);
+  page_bytes = 0;
+  for (std::uint32_t page = 0; page < absent; ++page) page_bytes += pageBytes(page);
   data = {grid.size, grid.grid, grid.cells.span(), grid.pages.span(), grid.band, first_slots.span(), {}};
   if (distances)
     data.codes = {reinterpret_cast<const std::uint8_t*>(words.data()), words.size() * sizeof(std::uint32_t)};

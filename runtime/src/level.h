@@ -77,6 +77,10 @@ struct LevelState {
   std::uint32_t absent = 0;        // pages
   std::uint32_t first_absent = 0;  // no page before it is absent
   std::atomic<std::uint32_t> resident{0};
+  std::uint64_t page_bytes = 0;  // of all pages
+  // For PageReader::keep() and askAhead(): the round in which all pages were last used; no page before this
+  // one is missing.
+  mutable std::atomic<std::uint32_t> kept{~0u}, first_missing{0};
   // The ErrorCode because of which the grid, or something of a level of distances, is not there; 0: none.
   std::atomic<std::uint16_t> failure{0};
   LevelGrid grid;

@@ -140,6 +140,7 @@ Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> pa
   }
   for (int part = 0; part < parts(); ++part) {
     const float w = part_weights.empty() ? weight : weight * part_weights[static_cast<std::size_t>(part)];
+    if (w == 0.0f) continue;
     if (!cages_.empty()) PoseCages::blend(to, part, w, *this);
     moved(part);
     const std::span<Knot> mine = writableKnots(part);
@@ -161,7 +162,7 @@ Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> pa
 Result<void> Pose::checkPart(int part) const {
   if (const NodesInPose* const nodes = PoseCages::of(*this, part)) {
     if (nodes->written) return PoseCages::check(*this, part);
-    if (nodes->cages[0].placed.isMade(PoseCages::stampOf(*this, part))) return {};
+    if (nodes->cages[0].placed.isMade(PoseCages::rollOf(*this, part))) return {};
   }
   const Shape& shape = const_cast<Pose*>(this)->shapes()[part];
   return checkRig(shape.bend, knots(part), shape.size, shape.roll + motion(part)->roll);

@@ -13,9 +13,10 @@ struct PoseWriter {
   }
   // The knots of all parts, one part after the other.
   static std::span<Knot> allKnots(Pose& pose) {
-    for (int part = 0; part < pose.parts(); ++part) pose.moved(part);
+    for (int part = 0; part < pose.parts() && pose.cages(); ++part) pose.moved(part);
     return {pose.knotData(), pose.knots_};
   }
+  static std::uint64_t bytes(const Pose& pose) { return pose.memory_.size() + pose.cages_.size(); }
   static Result<Pose> create(std::span<const Part> parts, const Allocator& allocator) {
     return Pose::create(parts, allocator);
   }

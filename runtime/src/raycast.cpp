@@ -87,16 +87,19 @@ bool isComplete(const LevelState* level) {
   return level && level->resident.load(std::memory_order_acquire) == level->data.pages.size();
 }
 
-// The cage for a trace at level `wanted`: that which serves it, if all of the coarsest level that this cage
-// serves is in memory; else that level is requested, and the next coarser cage is asked.
+// The cage for a trace at level `wanted`: the finest, not finer than that which serves it, of whose coarsest
+// level all is in memory, where it is kept. What the next finer cage needs is requested. All of the part's
+// coarsest level is in memory.
 const Cage& chooseCage(const PageReader& reader, int part, std::span<const Cage> cages, int wanted) {
   const Cage* cage = cages.data();
   while (cage->last_level < wanted) ++cage;
-  for (; cage != &cages.back(); ++cage) {
-    const LevelState* const level = reader.level(part, cage->last_level);
-    if (isComplete(level)) break;
-    for (std::uint32_t page = 0; level && page < level->data.pages.size(); ++page) reader.words(*level, page);
+  const LevelState *level = reader.level(part, cage->last_level), *finer = nullptr;
+  while (!isComplete(level)) {
+    finer = level;
+    level = reader.level(part, (++cage)->last_level);
   }
+  reader.keep(*level);
+  if (finer) reader.askAhead(*finer, *level);
   return *cage;
 }
 

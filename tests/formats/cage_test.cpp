@@ -163,7 +163,7 @@ void expectCages(const glm::ivec3& size, int levels, int cell, const IsSolid& so
       const CageFollow follow = cageFollows(*cage, node, finer);
       glm::vec3 place(0);
       float sum = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
+      for (std::size_t k = 0; k < 8; ++k) {
         place += follow.weights[k] * glm::vec3(finer.rest(follow.nodes[k]));
         sum += follow.weights[k];
       }

@@ -68,6 +68,53 @@ TEST(CagePose, NodesFollowTheSpline) {
   }
 }
 
+// What was made for one roll does not stand in for another.
+TEST(CagePose, RollsThereAndBack) {
+  const CagedAsset asset(twoLegs({27, 60, 30}), 4, Bend::kSweep);
+  Pose pose = asset.pose(), fresh = asset.pose();
+  for (const int cage : {0, 1}) {
+    const PosedCage want = asset.posed(fresh, cage);
+    pose.motion(0)->roll = 0;
+    asset.posed(pose, cage);
+    pose.motion(0)->roll = 1;
+    readNodes(pose);
+    pose.motion(0)->roll = 0;
+    const PosedCage posed = asset.posed(pose, cage);
+    EXPECT_EQ(copyOf(posed.nodes), copyOf(want.nodes));
+    EXPECT_EQ(posed.bounds.min, want.bounds.min);
+    pose.motion(0)->roll = 1;
+    readNodes(pose);
+    EXPECT_NE(copyOf(asset.posed(pose, cage).nodes), copyOf(want.nodes));
+    EXPECT_NE(asset.posed(pose, cage).bounds.min, want.bounds.min);
+  }
+}
+
+// A block on a circle around which nothing of it folds, though cells reach beyond its center.
+TEST(CagePose, CellsBesideThePartDoNotFold) {
+  const glm::ivec3 size(33, 100, 33);
+  const fields::Occupancy block{size, std::vector<std::uint8_t>(33 * 100 * 33, 1)};
+  const CagedAsset asset(block, 8, Bend::kSweep, straight({0, 0.2f, 0.4f, 0.6f, 0.8f, 1}));
+  Pose pose = asset.pose();
+  std::vector<Knot> knots;
+  const float radius = 0.222f;
+  for (const float at : {0.0f, 0.2f, 0.4f, 0.6f, 0.8f, 1.0f}) {
+    const float angle = at / radius;
+    knots.push_back({at,
+                     {radius * (1 - std::cos(angle)), radius * std::sin(angle), 0},
+                     {std::sin(angle), std::cos(angle), 0}});
+  }
+  ASSERT_TRUE(pose.setKnots(0, knots));
+  ASSERT_TRUE(pose.check());
+  const Instance instance = asset.instance(pose);
+  EXPECT_EQ(asset.posed(pose).inverted_count, 0u);
+  for (int i = 0; i < 200; ++i) {
+    const glm::vec3 rest(10 + i % 14, 15 + 7 * (i % 10), 10 + i / 14);
+    const glm::vec3 from = toWorld(instance, 0, asset.toObject(rest)).value();
+    const auto hit = raycast(instance, {from, {0.3f, -0.2f, 0.1f * static_cast<float>(i % 7) - 0.3f}});
+    EXPECT_TRUE(hit && hit->t == 0) << i;
+  }
+}
+
 // The top of the lattice is above the part: voxels between must not be where a kink would put them.
 TEST(CagePose, AboveThePartTheMapGoesOnStraight) {
   for (const Bend bend : {Bend::kShear, Bend::kSweep}) {
@@ -163,6 +210,38 @@ TEST(CagePose, CoarserNodesFollow) {
     for (std::uint32_t i = 0; i < posed.nodes.size(); ++i)
       ASSERT_LT(glm::distance(posed.nodes[i], map * glm::vec4(glm::vec3(posed.cage->rest(i)), 1)), 1e-3f);
     EXPECT_EQ(posed.inverted_count, 6 * posed.cage->cells()) << "mirrored";
+  }
+}
+
+// Of a thin solid, coarse nodes are many finer cells beside it: errors of one tetrahedron must not grow
+// there.
+TEST(CagePose, CoarseNodesOfATwistedStickStayNearIt) {
+  const glm::ivec3 size(100, 200, 100);
+  fields::Occupancy stick{size, std::vector<std::uint8_t>(100 * 200 * 100)};
+  for (int i = 0; i < 6 * 6 * 200; ++i) stick.solid[stick.index({47 + i % 6, i / 36, 47 + i / 6 % 6})] = 1;
+  const CagedAsset asset(stick, 8, Bend::kSweep);
+  ASSERT_GE(asset.part().cages.size(), 3u);
+  Pose pose = asset.pose();
+  for (glm::vec3& node : pose.nodes(0)) {
+    const float angle = node.y / 200 * 6.2831853f, x = node.x - 50, z = node.z - 50;
+    node.x = 50 + std::cos(angle) * x + std::sin(angle) * z;
+    node.z = 50 - std::sin(angle) * x + std::cos(angle) * z;
+  }
+  for (std::size_t c = 1; c < asset.part().cages.size(); ++c) {
+    const PosedCage posed = asset.posed(pose, static_cast<int>(c));
+    double off = 0;
+    for (std::uint32_t i = 0; i < posed.cage->cells(); ++i) {
+      // The stick's axis, in the cell's middle, may move by what the cell cannot follow.
+      const glm::vec3 low(posed.cage->side * posed.cage->place(i)),
+          f = (glm::vec3(50, low.y, 50) - low) / static_cast<float>(posed.cage->side);
+      const std::uint32_t* const corners = posed.cage->cell(i) + 2;
+      glm::vec3 at(0);
+      for (int k = 0; k < 8; ++k)
+        at += ((k & 1) != 0 ? f.x : 1 - f.x) * ((k & 2) != 0 ? 0 : 1) * (k > 3 ? f.z : 1 - f.z) *
+              posed.nodes[corners[k]];
+      off += glm::distance(at, glm::vec3(50, low.y, 50)) / posed.cage->cells();
+    }
+    EXPECT_LT(off, 0.25 * posed.cage->side) << c;
   }
 }
 
@@ -390,6 +469,27 @@ TEST(CagePose, ThreadsAskAtOnce) {
     for (std::thread& thread : threads) thread.join();
     for (const std::vector<glm::vec3>& nodes : seen) ASSERT_EQ(nodes, seen[0]);
   }
+}
+
+// The pose of instances without one is made at its first use.
+TEST(CagePose, TheAssetMakesItsPoseWhenItIsUsed) {
+  const std::vector<std::byte> bytes =
+      test::bytesOf(CagedAsset::packOf(twoLegs({27, 60, 30}), 4, Bend::kSweep, straight({0, 0.5f, 1})));
+  const MemorySource source(bytes);
+  test::ShortMemory memory;
+  AssetOptions options;
+  options.allocator = memory.allocator();
+  const std::unique_ptr<Asset> asset = Asset::open(source.source(), options).value();
+  const std::uint64_t before = asset->memory();
+  memory.and_on = false;
+  memory.refuse_at = memory.requests;
+  EXPECT_EQ(posedCage({asset.get()}, 0, 0).error().code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(asset->memory(), before);
+  const PosedCage posed = posedCage({asset.get()}, 0, 0).value();
+  EXPECT_GT(asset->memory(), before + posed.nodes.size_bytes() + posed.tree.size_bytes());
+  const std::size_t requests = memory.requests;
+  EXPECT_EQ(posedCage({asset.get()}, 0, 0)->nodes.data(), posed.nodes.data());
+  EXPECT_EQ(memory.requests, requests);
 }
 
 TEST(CagePose, OnlyCreateAllocates) {

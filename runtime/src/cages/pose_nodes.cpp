@@ -74,9 +74,25 @@ std::uint64_t layAll(std::span<const Part> parts, std::byte* block) {
   return carver.used;
 }
 
+// Every coordinate of a node must be below this, up to sign.
+float endOfNodes(const glm::ivec3& size) {
+  return std::nextafter(0x1p20f * static_cast<float>(std::max({size.x, size.y, size.z})), INFINITY);
+}
+
 // A level section of the lattice: a node at (x, z) from its middle goes to at + x * this->x + z * this->z.
+// inward: where it is swept, (x, z) lie dot(inward, (x, z)) times as far towards the center of the sharpest
+// curvature in the cells at the section as that is away.
 struct Section {
   glm::vec3 x{1, 0, 0}, z{0, 0, 1}, at;
+  glm::vec2 inward{0};
+
+  // The lattice may end beside the part, by less than a cell. There nodes stay where nothing folds.
+  glm::vec3 place(glm::vec2 node) const {
+    constexpr auto kMost = static_cast<float>(kMostCurved);
+    const float curved = glm::dot(inward, node);
+    if (curved > kMost) node -= (curved - kMost) / glm::dot(inward, inward) * inward;
+    return at + node.x * x + node.y * z;
+  }
 };
 
 constexpr int kMostSections = kMostCageCells + 1;
@@ -109,6 +125,14 @@ Result<void> sweepSections(std::span<const Knot> knots, const glm::ivec3& size, 
     const auto y = static_cast<float>(side * static_cast<int>(i));
     const glm::mat4x3 section = sectionAt(chain, std::min(y, height));
     sections[i] = {section[0], section[2], section[3]};
+    float sharpest = 0;
+    for (int a = 0; a < chain.count; ++a) {
+      const bool is_near = chain.joints[a].y < y + static_cast<float>(side) &&
+                           chain.joints[a + 1].y > y - static_cast<float>(side);
+      if (!is_near || chain.arcs[a].curvature <= sharpest) continue;
+      sharpest = chain.arcs[a].curvature;
+      sections[i].inward = sharpest * chain.arcs[a].bend;
+    }
     if (y > height) sections[i].at += (y - height) / chain.arcs[chain.count - 1].rise * section[1];
   }
   return {};
@@ -133,7 +157,7 @@ NodesInPose* PoseCages::of(const Pose& pose, int part) {
   return found.cages.empty() ? nullptr : &found;
 }
 
-std::uint32_t PoseCages::stampOf(const Pose& pose, int part) {
+std::uint32_t PoseCages::rollOf(const Pose& pose, int part) {
   if (of(pose, part)->written || const_cast<Pose&>(pose).shapes()[part].bend != Bend::kSweep) return 0;
   return std::bit_cast<std::uint32_t>(pose.motion(part)->roll);
 }
@@ -141,7 +165,8 @@ std::uint32_t PoseCages::stampOf(const Pose& pose, int part) {
 bool PoseCages::place(const Pose& pose, int part) {
   NodesInPose& nodes = *of(pose, part);
   if (nodes.written) return true;
-  return nodes.cages[0].placed.make(stampOf(pose, part), [&] {
+  return nodes.cages[0].placed.make(rollOf(pose, part), [&] {
+    ++nodes.placements;
     const Pose::Shape& shape = const_cast<Pose&>(pose).shapes()[part];
     const glm::vec3 middle = 0.5f * glm::vec3(shape.size);
     Section room[kMostSections];
@@ -164,7 +189,7 @@ bool PoseCages::place(const Pose& pose, int part) {
       const Section& section = sections[place >> 10 & 1023];
       const float x = side * static_cast<float>(place & 1023) - middle.x;
       const float z = side * static_cast<float>(place >> 20) - middle.z;
-      cage.nodes[i] = section.at + x * section.x + z * section.z;
+      cage.nodes[i] = section.place({x, z});
     }
     return static_cast<bool>(placed);
   });
@@ -215,7 +240,7 @@ void PoseCages::assign(const Pose& from, Pose& to) {
 
 void PoseCages::blend(const Pose& to, int part, float weight, Pose& pose) {
   NodesInPose* const nodes = of(pose, part);
-  if (!nodes || weight == 0.0f) return;
+  if (!nodes) return;
   const bool written = of(to, part)->written;
   if (!nodes->written && !written) return;
   if (weight == 1.0f && !written) {
@@ -232,9 +257,9 @@ Result<void> PoseCages::check(const Pose& pose, int part) {
   using namespace simd;
   const NodesInPose* const in = of(pose, part);
   if (!in || !in->written) return {};
-  const glm::ivec3 size = const_cast<Pose&>(pose).shapes()[part].size;
-  const float most = 0x1p20f * static_cast<float>(std::max({size.x, size.y, size.z}));
-  const float limit = std::nextafter(most, INFINITY);
+  const auto isBounded = [in](const CageInPose& cage) { return cage.bounded.isMade(in->placements); };
+  if (std::any_of(in->cages.begin(), in->cages.end(), isBounded)) return {};  // it was checked then
+  const float limit = endOfNodes(const_cast<Pose&>(pose).shapes()[part].size);
   const float* const numbers = &in->cages[0].nodes->x;
   const std::size_t count = std::size_t{3} * in->cages[0].node_count, whole = count & ~std::size_t{3};
   unsigned good = 15;
@@ -248,9 +273,10 @@ Result<void> PoseCages::check(const Pose& pose, int part) {
 
 void PoseCages::clamp(Pose& pose, int part) {
   const NodesInPose& in = *of(pose, part);
+  const float limit = endOfNodes(pose.shapes()[part].size);
   const std::span<glm::vec3> nodes = pose.nodes(part);
-  for (Result<void> good = check(pose, part); !good; good = check(pose, part)) {
-    const auto i = static_cast<std::size_t>(good.error().offset);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (glm::all(glm::lessThan(glm::abs(nodes[i]), glm::vec3(limit)))) continue;
     const std::uint32_t place = in.places[i];
     nodes[i] = static_cast<float>(in.side) * glm::vec3(static_cast<float>(place & 1023),
                                                        static_cast<float>(place >> 10 & 1023),
@@ -260,6 +286,11 @@ void PoseCages::clamp(Pose& pose, int part) {
 
 PoseCages* Pose::cages() const {
   return cages_.empty() ? nullptr : reinterpret_cast<PoseCages*>(const_cast<Pose*>(this)->cages_.data());
+}
+
+void Pose::forgetFollowing(int part) {
+  const NodesInPose* const nodes = PoseCages::of(*this, part);
+  if (nodes && !nodes->written) forgetNodes(part);
 }
 
 void Pose::forgetNodes(int part) {

@@ -20,7 +20,7 @@ class Once {
   enum class State : std::uint32_t { kAbsent, kInHand, kMade, kFailed };
 
   void forget() { stamp_.store(0, std::memory_order_relaxed); }
-  // Made for this value and no other, because nobody tells when a host writes a Motion.
+  // Made for this value and no other.
   bool isMade(std::uint32_t value) const {
     return stamp_.load(std::memory_order_acquire) == of(State::kMade, value);
   }
@@ -52,8 +52,8 @@ class Once {
 
 // A cage as a pose has it.
 struct CageInPose {
-  Once placed;       // nodes; of the finest cage only if they follow the spline
-  Once bounded;      // all below `leaves`
+  Once placed;       // nodes; of the finest cage only if they follow the spline: for PoseCages::rollOf()
+  Once bounded;      // all below `leaves`; this and coarser nodes: for NodesInPose::placements
   glm::vec3* nodes;  // one float more may be read after the last
   Box* tree;         // 2 * leaves
   std::uint32_t node_count, cell_count, leaves;
@@ -68,6 +68,7 @@ struct NodesInPose {
   int side;                     // of its cells
   bool written;                 // by the host
   Error failure;                // of the spline, if placing failed
+  std::uint32_t placements;     // how often the finest nodes were placed
 };
 
 struct PoseCages {
@@ -80,8 +81,8 @@ struct PoseCages {
   // Brings the nodes of the finest cage to where the spline takes them, unless the host wrote them. False:
   // it takes no point anywhere (`failure`), and they are at rest.
   static bool place(const Pose& pose, int part);
-  // The value for Once: of what the place of nodes depends on that a host writes without a call.
-  static std::uint32_t stampOf(const Pose& pose, int part);
+  // On what the place of the finest nodes depends that a host writes without a call: bits of Motion::roll.
+  static std::uint32_t rollOf(const Pose& pose, int part);
   // True if the pose has memory for these cages.
   static bool fits(const Pose& pose, std::span<const Part> parts);
   static bool alike(const Pose& a, const Pose& b);

@@ -141,7 +141,7 @@ void boundCells(const Cage& cage, CageInPose& posed) {
 void placeCoarser(const Pose& pose, int part, std::span<const Cage> cages, int cage) {
   if (cage == 0) return;
   CageInPose* const in = PoseCages::of(pose, part)->cages.data();
-  in[cage].placed.make(PoseCages::stampOf(pose, part), [&] {
+  in[cage].placed.make(PoseCages::of(pose, part)->placements, [&] {
     placeCoarser(pose, part, cages, cage - 1);
     const Cage &finer = cages[static_cast<std::size_t>(cage) - 1],
                &coarser = cages[static_cast<std::size_t>(cage)];
@@ -149,7 +149,7 @@ void placeCoarser(const Pose& pose, int part, std::span<const Cage> cages, int c
     for (std::uint32_t i = 0; i < in[cage].node_count; ++i) {
       const CageFollow follow = cageFollows(coarser, i, finer);
       glm::vec3 at(0);
-      for (int k = 0; k < 4; ++k) at += follow.weights[k] * from[follow.nodes[k]];
+      for (int k = 0; k < 8; ++k) at += follow.weights[k] * from[follow.nodes[k]];
       in[cage].nodes[i] = at;
     }
     return true;
@@ -165,7 +165,9 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage) {
   if (cage < 0 || static_cast<std::size_t>(cage) >= cages.size())
     return Error{ErrorCode::kMisuse, "the part has no such cage"};
   const Cage& of = cages[static_cast<std::size_t>(cage)];
-  const Pose& pose = instance.pose ? *instance.pose : RestPose::of(*instance.asset);
+  const Result<const Pose*> posed = instance.pose ? instance.pose : RestPose::of(*instance.asset);
+  if (!posed) return posed.error();
+  const Pose& pose = **posed;
   NodesInPose* const nodes = PoseCages::of(pose, part);
   if (!nodes || nodes->cages.size() != cages.size()) return kOtherPose;
   for (std::size_t i = 0; i <= static_cast<std::size_t>(cage); ++i) {
@@ -173,13 +175,14 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage) {
       return kOtherPose;
   }
   CageInPose& in = nodes->cages[static_cast<std::size_t>(cage)];
-  const bool made = in.bounded.make(PoseCages::stampOf(pose, part), [&] {
-    if (!PoseCages::place(pose, part) || !PoseCages::check(pose, part)) return false;
+  if (!PoseCages::place(pose, part)) return nodes->failure;
+  const bool made = in.bounded.make(nodes->placements, [&] {
+    if (!PoseCages::check(pose, part)) return false;
     placeCoarser(pose, part, cages, cage);
     boundCells(of, in);
     return true;
   });
-  if (!made) return nodes->written ? PoseCages::check(pose, part).error() : nodes->failure;
+  if (!made) return PoseCages::check(pose, part).error();
   return PosedCage{&of,         {in.nodes, in.node_count}, in.tree[1],
                    in.inverted, in.inverted_count,         {in.tree, 2 * std::size_t{in.leaves}},
                    in.leaves};

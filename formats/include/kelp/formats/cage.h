@@ -148,11 +148,11 @@ inline constexpr CageTetrahedron kCageTetrahedra[6] = {{{0, 1, 2}, {0, 1, 3, 7}}
                                                        {{1, 0, 2}, {0, 2, 3, 7}}, {{1, 2, 0}, {0, 2, 6, 7}},
                                                        {{2, 0, 1}, {0, 4, 5, 7}}, {{2, 1, 0}, {0, 4, 6, 7}}};
 
-// Four nodes of the finer cage and their weights, which sum to 1: where a node of a coarser cage goes. It is
-// the point of the finer cell's nearest tetrahedron, extended beyond it, that is at the node's place at rest.
+// The nodes of a cell of the finer cage and their weights, which sum to 1: where a node of a coarser cage
+// goes. At a corner of that cell it is that node; elsewhere the cell's mean gradient takes it there.
 struct CageFollow {
-  std::uint32_t nodes[4];
-  float weights[4];
+  std::uint32_t nodes[8];
+  float weights[8];
 };
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer);
 

@@ -80,7 +80,8 @@ class Asset {
   const Level* distances(int part, int level) const;
   // True if the asset loads distances: it was asked to, and the pack has some.
   bool loadsDistances() const;
-  // Bytes of grids, pages and distances that are in memory now.
+  // Bytes of grids, pages and distances that are in memory now, and, beside the budget, of what instances
+  // without a pose need for cages.
   std::uint64_t memory() const;
 
   // For kelp's own libraries, which know what these are.

@@ -49,8 +49,9 @@ Result<glm::mat4> partToWorld(const Instance& instance, int part);
 // parts hang on swept splines. kMisuse: there are more matrices than parts, or the pose is
 // of another asset.
 Result<void> partsToWorld(const Instance& instance, std::span<glm::mat4> out);
-// A box in the world that contains the deformed instance: of a part with cages, the nodes of the finest one.
-// Empty if `asset` is null. Parts that cannot be drawn are left out.
+// A box in the world that contains the deformed instance: of a part with cages, as its finest cage bends it;
+// a coarser level may reach a little farther. Empty if `asset` is null. Swept parts and parts with cages are
+// left out if they cannot be drawn.
 Box bounds(const Instance& instance);
 
 struct Ray {

@@ -27,9 +27,9 @@ struct Motion {
 
 struct PoseCages;
 
-// Keeps no pointer to its asset. Only create() allocates; assign() copies without allocating. Not
-// thread-safe: use a pose on one thread at a time. Different poses may be used on different threads at the
-// same time.
+// Keeps no pointer to its asset. Only create() allocates; assign() copies without allocating. Const
+// functions, and functions that take a const pose or an Instance, may run on any threads at once, while
+// nothing changes the pose. Different poses may be used on different threads at the same time.
 class Pose {
  public:
   Pose() = default;  // of no part; fits no asset
@@ -74,8 +74,8 @@ class Pose {
   // scales are interpolated linearly, rotations spherically by the shorter way. Between two monotone poses
   // the result is monotone; between swept ones it may fold. Nodes that the host wrote to either pose are
   // interpolated linearly, and are the host's in this one. part_weights: one factor of the weight for each
-  // part, as a mask; empty: all 1. kMisuse, with nothing changed, if the poses differ in parts or knots, or a
-  // weight is not within [0, 1].
+  // part, as a mask; empty: all 1. kMisuse, with nothing changed, if the poses differ in parts, knots or
+  // nodes, or a weight is not within [0, 1].
   Result<void> blend(const Pose& to, float weight, std::span<const float> part_weights = {});
   // Checks the knots of every part (checkRig). kNotMonotone if the spline of a sheared part turns back along
   // its axis; kFolds if a swept part bends too sharply for its thickness; kMisuse for other broken rules;
@@ -123,9 +123,10 @@ class Pose {
   }
   // Null: no part has cages.
   PoseCages* cages() const;
-  void forgetNodes(int part);  // they may have moved
+  void forgetNodes(int part);      // they may have moved
+  void forgetFollowing(int part);  // unless the host wrote them
   void moved(int part) {
-    if (!cages_.empty()) forgetNodes(part);
+    if (!cages_.empty()) forgetFollowing(part);
   }
   Result<void> checkPart(int part) const;
   void clampShear(int part);

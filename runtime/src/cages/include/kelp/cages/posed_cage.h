@@ -33,7 +33,8 @@ struct PosedCage {
 
 // kFolds, kNotMonotone: the spline that the nodes follow takes no point anywhere. kMisuse: a node that the
 // host wrote is no finite number, or farther away than 2^20 times the part's longest side; `offset` is its
-// number. kMisuse also if there is no such part, cage or node in the pose.
+// number. kMisuse also if there is no such part, cage or node in the pose. kOutOfMemory: for the pose of
+// instances without one, which the asset makes at its first use.
 Result<PosedCage> posedCage(const Instance& instance, int part, int cage);
 
 }  // namespace kelp::runtime
