@@ -11,6 +11,7 @@
 #include <string>
 #include <thread>
 
+#include "bench_trace_caged.h"
 #include "bench_trace_check.h"
 #include "bench_trace_gpu.h"
 #include "bench_trace_long.h"
@@ -39,7 +40,7 @@ constexpr char kUsage[] =
     "[--threads N] [--json FILE]\n"
     "       bench_trace --long RAYS [--scenes A,B] [--threads N]\n"
     "  --scenes   of: orange spot bunny256 bunny512 underwater; column bunny fish tentacle, and these swept: "
-    "'column swept' and so on\n"
+    "'column swept' and so on; and 'bunny caged', fish, Fox, comb, slab, on the CPU\n"
     "  --poses    by name as the table prints them, separated by semicolons\n"
     "  --views    of: front side above below level inside along horizontal\n"
     "  --frames   timed frames of each method and view, interleaved; the median counts; 0: no times (default "
@@ -146,6 +147,7 @@ void tally(const std::vector<Count>& counts, const std::vector<RayCheck>& checks
       record.owed += truth.owed.has_value();
       record.grazing += truth.grazing();
       record.missed += verdict == reference::Verdict::kMissed;
+      record.farther += verdict == reference::Verdict::kMissed && s;
       record.false_hits += verdict == reference::Verdict::kFalse;
       record.depth_off += s && truth.owed && (*s < *truth.possible - 0.5 || *s > *truth.owed + 0.5);
     }
@@ -162,46 +164,97 @@ void tally(const std::vector<Count>& counts, const std::vector<RayCheck>& checks
   }
 }
 
-void measureView(Gpu& gpu, const Scene& scene, const Pose& pose, const std::string& view_name,
-                 const Options& options, std::vector<Record>& records) {
-  const std::vector<PosedItem> items = poseItems(scene, pose);
-  const View view = makeView(view_name, items, options.size);
-  gpu.setView(items, view);
-  std::vector<std::vector<RayCheck>> checks;
-  for (std::size_t i = 0; i < items.size(); ++i)
-    checks.push_back(checkRays(items[i], view.rays[i], options.truth, options.threads));
-
+// What `like` says of the scene, pose and view, with what each method counts and how long it takes.
+// count(method): one list for each of `checks`; frame(method): milliseconds.
+template <class CountOf, class Frame>
+void measure(const Record& like, const std::vector<std::vector<RayCheck>>& checks, const Options& options,
+             CountOf&& count, Frame&& frame, std::vector<Record>& records) {
   std::vector<Method> methods;
-  std::ranges::copy_if(kMethods, std::back_inserter(methods),
-                       [&](Method method) { return draws(method, scene.bend); });
+  std::ranges::copy_if(kMethods, std::back_inserter(methods), [&](Method method) {
+    return draws(method, like.bend, like.caged) && (method != Method::kUncaged || like.pose == "rest");
+  });
   std::vector<Record> found;
   for (const Method method : methods) {
-    Record record;
-    record.scene = scene.name;
-    record.bend = scene.bend;
-    record.size = scene.size;
-    record.pose = pose.name;
-    record.moderate = pose.moderate;
-    record.view = view_name;
+    Record record = like;
     record.method = method;
-    for (std::size_t i = 0; i < items.size(); ++i) tally(gpu.count(method, i), checks[i], record);
+    for (std::size_t i = 0; i < checks.size(); ++i) tally(count(method, i), checks[i], record);
     for (double* sum : {&record.steps_mean, &record.outside_mean, &record.fetches_mean})
       *sum /= static_cast<double>(std::max<std::uint64_t>(record.rays, 1));
-    if (method != Method::kKelp) record.cpp_differs = 0;
+    if (method != Method::kKelp || like.caged) record.cpp_differs = 0;
     found.push_back(record);
   }
 
   std::vector<std::vector<double>> times(methods.size());
-  for (int frame = 0; frame < options.frames; ++frame) {  // counting has warmed everything up
+  for (int i = 0; i < options.frames; ++i) {  // counting has warmed everything up
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const bool slow = !times[m].empty() && times[m].front() > kSlow;
-      if (!slow) times[m].push_back(gpu.frame(methods[m]));
+      if (!slow) times[m].push_back(frame(methods[m]));
     }
   }
   for (std::size_t m = 0; m < methods.size(); ++m) {
     std::sort(times[m].begin(), times[m].end());
     if (!times[m].empty()) found[m].frame_ms = times[m][times[m].size() / 2];
     records.push_back(found[m]);
+  }
+}
+
+Record recordOf(const Scene& scene, const std::string& pose, const std::string& view) {
+  Record record;
+  record.scene = scene.name;
+  record.bend = scene.bend;
+  record.caged = scene.caged;
+  record.size = scene.size;
+  record.pose = pose;
+  record.view = view;
+  return record;
+}
+
+bool wanted(const Options& options, const std::string& pose) {
+  return options.poses.empty() || allOf({pose}, options.poses);
+}
+
+void measureScene(Gpu& gpu, const Scene& scene, const Options& options, std::vector<Record>& records) {
+  gpu.setScene(scene);
+  for (const Pose& pose : makePoses(scene)) {
+    if (!wanted(options, pose.name)) continue;
+    std::fprintf(stderr, "%s, pose %s\n", scene.name.c_str(), pose.name.c_str());
+    const std::vector<PosedItem> items = poseItems(scene, pose);
+    for (const std::string& name : options.views) {
+      const View view = makeView(name, items, options.size);
+      gpu.setView(items, view);
+      std::vector<std::vector<RayCheck>> checks;
+      for (std::size_t i = 0; i < items.size(); ++i)
+        checks.push_back(checkRays(items[i], view.rays[i], options.truth, options.threads));
+      Record like = recordOf(scene, pose.name, name);
+      like.moderate = pose.moderate;
+      measure(
+          like, checks, options, [&](Method method, std::size_t i) { return gpu.count(method, i); },
+          [&](Method method) { return gpu.frame(method); }, records);
+    }
+  }
+}
+
+// On the CPU. An eye within has no faces to walk from.
+void measureCaged(const Scene& scene, const Options& options, std::vector<Record>& records) {
+  const Item& item = scene.items.front();
+  const reference::CagedVolume volume = reference::cagedVolume(scene.name, item.volume, kCageCell);
+  for (const reference::CagePose& pose : cagedPoses(volume.size)) {
+    if (!wanted(options, pose.name)) continue;
+    std::fprintf(stderr, "%s, pose %s\n", scene.name.c_str(), pose.name.c_str());
+    CagedItem caged(volume, pose);
+    // Rays begin before the boundary faces.
+    const Box bounds{caged.bounds().min - 1.0f, caged.bounds().max + 1.0f};
+    for (const std::string& name : options.views) {
+      if (name == "inside") continue;
+      const View view = makeView(name, {{&item, {}, {}, nullptr, bounds, pose.map}}, options.size);
+      caged.setView(view.rays[0], options.threads);
+      Record like = recordOf(scene, pose.name, name);
+      like.inverted = caged.inverted();
+      measure(
+          like, {caged.check(options.truth, options.threads)}, options,
+          [&](Method method, std::size_t) { return caged.count(method, options.threads); },
+          [&](Method method) { return caged.frame(method); }, records);
+    }
   }
 }
 
@@ -220,13 +273,8 @@ int run(const Options& options) {
   std::vector<Record> records;
   for (const std::string& name : options.scenes) {
     for (const Scene& scene : loadScene(name, options.threads)) {
-      gpu.setScene(scene);
-      for (const Pose& pose : makePoses(scene)) {
-        if (!options.poses.empty() && !allOf({pose.name}, options.poses)) continue;
-        std::fprintf(stderr, "%s, pose %s\n", name.c_str(), pose.name.c_str());
-        for (const std::string& view : options.views) measureView(gpu, scene, pose, view, options, records);
-        if (!options.json.empty()) writeJson(records, machine, options.json);
-      }
+      scene.caged ? measureCaged(scene, options, records) : measureScene(gpu, scene, options, records);
+      if (!options.json.empty()) writeJson(records, machine, options.json);
     }
   }
   printTable(records);

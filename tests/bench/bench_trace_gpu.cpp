@@ -192,7 +192,7 @@ Gpu::Gpu(const glm::ivec2& size) : impl_(std::make_unique<Impl>(size)) {
   glDepthFunc(GL_LEQUAL);  // a ray without a hit has depth 1: counted, but never over a hit
   for (const Bend bend : {Bend::kShear, Bend::kSweep})
     for (const Method method : kMethods)
-      if (draws(method, bend))
+      if (draws(method, bend, false))
         impl_->programs[static_cast<std::size_t>(bend)][static_cast<std::size_t>(method)] =
             linkProgram(method, bend);
 }

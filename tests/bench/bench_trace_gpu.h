@@ -12,14 +12,18 @@
 
 namespace kelp::bench {
 
-enum class Method { kStandard, kStandardArcsine, kStandardSlices, kDf, kDfWorld, kKelp };
-inline constexpr std::array<Method, 6> kMethods{Method::kStandard,       Method::kStandardArcsine,
+// kWalk: of caged parts; kUncaged: these at rest, without their cage.
+enum class Method { kStandard, kStandardArcsine, kStandardSlices, kDf, kDfWorld, kKelp, kWalk, kUncaged };
+inline constexpr std::array<Method, 8> kMethods{Method::kStandard,       Method::kStandardArcsine,
                                                 Method::kStandardSlices, Method::kDf,
-                                                Method::kDfWorld,        Method::kKelp};
+                                                Method::kDfWorld,        Method::kKelp,
+                                                Method::kWalk,           Method::kUncaged};
 const char* toString(Method method);
 // True if the method draws parts that bend so.
-inline bool draws(Method method, Bend bend) {
+inline bool draws(Method method, Bend bend, bool caged) {
   if (method == Method::kStandard || method == Method::kKelp) return true;
+  if (caged || method == Method::kWalk || method == Method::kUncaged)
+    return caged && (method == Method::kWalk || method == Method::kUncaged);
   return (bend == Bend::kSweep) == (method == Method::kStandardSlices);
 }
 

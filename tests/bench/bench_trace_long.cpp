@@ -6,6 +6,7 @@
 #include <random>
 
 #include "bench_trace_check.h"
+#include "reference/cage_trials.h"
 #include "reference/sweep_trials.h"
 #include "reference/trials.h"
 #include "support/poses.h"
@@ -35,8 +36,8 @@ fields::Occupancy makeTile() {
 }
 
 // Random rays through a volume in these rigs, in trials small enough to keep all threads busy.
-template <class Tally, class Trial>
-Tally runVolume(const TrialVolume& volume, std::size_t rigs, std::uint64_t rays, int threads, Trial&& trial) {
+template <class Tally, class Volume, class Trial>
+Tally runVolume(const Volume& volume, std::size_t rigs, std::uint64_t rays, int threads, Trial&& trial) {
   constexpr std::uint64_t kTrial = 4000;
   const std::uint64_t rounds = std::max<std::uint64_t>(1, rays / (rigs * kTrial));
   Tally tally;
@@ -61,7 +62,7 @@ Tally runVolume(const TrialVolume& volume, std::size_t rigs, std::uint64_t rays,
 std::vector<TrialVolume> volumesOf(const std::vector<Scene>& scenes, Bend bend) {
   std::vector<TrialVolume> volumes;
   for (const Scene& scene : scenes) {
-    if (scene.bend != bend) continue;
+    if (scene.bend != bend || scene.caged) continue;
     for (const Item& item : scene.items)
       volumes.push_back(reference::wholeVolume(scene.name + ": " + item.name, item.volume));
   }
@@ -79,6 +80,30 @@ std::vector<TrialVolume> volumesOf(const std::vector<Scene>& scenes, Bend bend) 
                                              slender({side, side, side / 2}, {side / 4, side, side / 4})));
   }
   return volumes;
+}
+
+// By the tree and walked, in poses that fold nothing.
+TrialTally runCaged(const std::vector<Scene>& scenes, std::uint64_t rays, int threads) {
+  std::vector<reference::CagedVolume> volumes;
+  for (const Scene& scene : scenes) {
+    if (!scene.caged) continue;
+    volumes.push_back(reference::cagedVolume(scene.name, scene.items.front().volume, kCageCell));
+  }
+  volumes.push_back(
+      reference::cagedVolume("clump caged", test::ballClump({256, 249, 195}, 30, 7), 2 * kCageCell));
+  TrialTally total;
+  for (const reference::CagedVolume& volume : volumes) {
+    std::vector<reference::CagePose> poses = reference::namedCagePoses(volume.size);
+    poses.push_back(reference::shakenPose(0.2));
+    total.add(runVolume<reference::CageTally>(volume, poses.size(), rays / volumes.size(), threads,
+                                              [&](std::size_t pose, int count, unsigned seed) {
+                                                reference::CageTallies both =
+                                                    reference::runCageTrial(volume, poses[pose], count, seed);
+                                                both.traced.add(both.walked);
+                                                return both.traced;
+                                              }));
+  }
+  return total;
 }
 
 }  // namespace
@@ -111,7 +136,11 @@ bool runLong(const std::vector<Scene>& scenes, std::uint64_t rays, int threads) 
               n(swept_total.rays), n(swept_total.missed), n(swept_total.invented),
               static_cast<double>(swept_total.clips) / static_cast<double>(swept_total.rays),
               static_cast<double>(swept_total.arcs) / static_cast<double>(swept_total.rays));
+  const TrialTally caged = runCaged(scenes, rays, threads);
+  std::printf("caged: %llu rays, %llu missed, %llu false\n", n(caged.rays), n(caged.missed),
+              n(caged.invented));
   total.add(swept_total);
+  total.add(caged);
   return total.missed == 0 && total.invented == 0;
 }
 

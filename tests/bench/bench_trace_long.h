@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Millions of random rays against the ground truth, on the CPU: the scenes' volumes and made ones from 256 to
-// 4096 voxels, sheared, and again as many through swept ones to 2048.
+// 4096 voxels, sheared, again as many through swept ones to 2048, and through caged ones.
 #pragma once
 
 #include <cstdint>

@@ -112,6 +112,8 @@ std::string definesOf(Method method, Bend bend) {
     case Method::kDfWorld:
       return distance + call("paperDistanceField", ", false");
     case Method::kKelp:
+    case Method::kWalk:
+    case Method::kUncaged:
       break;
   }
   return callKelp(bend == Bend::kSweep ? "kelpTraceSwept" : "kelpTraceSheared");
@@ -178,6 +180,10 @@ const char* toString(Method method) {
       return "df";
     case Method::kDfWorld:
       return "df_world";
+    case Method::kWalk:
+      return "walk";
+    case Method::kUncaged:
+      return "uncaged";
     case Method::kKelp:
       break;
   }

@@ -16,8 +16,8 @@ namespace {
 Record overViews(const std::vector<Record>& records, const Record& like, Method method) {
   Record sum = like;
   sum.method = method;
-  sum.rays = sum.hits = sum.checked = sum.owed = sum.grazing = sum.missed = sum.false_hits = sum.depth_off =
-      sum.cpp_differs = 0;
+  sum.rays = sum.hits = sum.checked = sum.owed = sum.grazing = sum.missed = sum.farther = sum.false_hits =
+      sum.depth_off = sum.cpp_differs = 0;
   sum.steps_mean = sum.steps_max = sum.outside_mean = sum.fetches_mean = sum.frame_ms = 0;
   double views = 0;
   for (const Record& r : records) {
@@ -29,6 +29,7 @@ Record overViews(const std::vector<Record>& records, const Record& like, Method 
     sum.owed += r.owed;
     sum.grazing += r.grazing;
     sum.missed += r.missed;
+    sum.farther += r.farther;
     sum.false_hits += r.false_hits;
     sum.depth_off += r.depth_off;
     sum.cpp_differs += r.cpp_differs;
@@ -62,8 +63,9 @@ void printGroup(const std::vector<Record>& records, const Record& group) {
               "fetches", "missed", "false", "frame ms", "ratio");
   const Record kelp = overViews(records, group, Method::kKelp);
   for (const Method method : kMethods) {
-    if (!draws(method, group.bend)) continue;
+    if (!draws(method, group.bend, group.caged)) continue;
     const Record r = overViews(records, group, method);
+    if (method == Method::kUncaged && r.rays == 0) continue;
     std::printf("  %-17s %9llu %9llu %8.2f %6.0f %8.2f %8.2f %7.2f%% %6llu %9.2f %7.2f\n", toString(method),
                 n(r.rays), n(r.hits), r.steps_mean, r.steps_max, r.outside_mean, r.fetches_mean,
                 r.owed ? 100.0 * static_cast<double>(r.missed) / static_cast<double>(r.owed) : 0.0,
@@ -76,7 +78,7 @@ void printMeans(const std::vector<Record>& records) {
       "\nFrame time as a multiple of kelp's, geometric mean over scenes and poses (moderate poses alone)\n");
   for (const Method method : kMethods) {
     double log_all = 0, log_moderate = 0, all = 0, moderate = 0;
-    if (!draws(method, Bend::kShear)) continue;
+    if (!draws(method, Bend::kShear, false)) continue;
     for (const Record& group : groups(records)) {
       const double kelp = overViews(records, group, Method::kKelp).frame_ms,
                    ratio = overViews(records, group, method).frame_ms / std::max(kelp, 1e-9);
@@ -89,6 +91,30 @@ void printMeans(const std::vector<Record>& records) {
     }
     std::printf("  %-17s %6.2f (%.2f)\n", toString(method), std::exp(log_all / std::max(all, 1.0)),
                 std::exp(log_moderate / std::max(moderate, 1.0)));
+  }
+}
+
+// Beside the same part at rest without its cage.
+void printCaged(const std::vector<Record>& records) {
+  std::printf("\n%-13s %-18s %8s %12s %12s %13s %12s %12s %13s\n", "", "", "", "kelp: missed,",
+              "walk: missed,", "walk: steps /", "walk: time /", "kelp: time /", "standard ms /");
+  std::printf("%-13s %-18s %8s %13s %13s %13s %12s %12s %13s\n", "Caged parts", "pose", "inverted",
+              "farther, false", "farther, false", "uncaged", "uncaged", "uncaged", "kelp");
+  for (const Record& group : groups(records)) {
+    if (!group.caged) continue;
+    Record rest = group;
+    rest.pose = "rest";
+    const Record kelp = overViews(records, group, Method::kKelp),
+                 walk = overViews(records, group, Method::kWalk),
+                 uncaged = overViews(records, rest, Method::kUncaged);
+    const auto perRay = [](const Record& r) { return r.rays ? r.frame_ms / static_cast<double>(r.rays) : 0; };
+    const auto over = [](double a, double b) { return b > 0 ? a / b : 0; };
+    std::printf("%-13s %-18s %8d %5llu %3llu %3llu %5llu %3llu %4llu %13.2f %12.2f %12.2f %13.2f\n",
+                group.scene.c_str(), group.pose.c_str(), group.inverted, n(kelp.missed), n(kelp.farther),
+                n(kelp.false_hits), n(walk.missed), n(walk.farther), n(walk.false_hits),
+                over(walk.steps_mean, uncaged.steps_mean + uncaged.outside_mean),
+                over(perRay(walk), perRay(uncaged)), over(perRay(kelp), perRay(uncaged)),
+                over(overViews(records, group, Method::kStandard).frame_ms, kelp.frame_ms));
   }
 }
 
@@ -146,11 +172,12 @@ void printTable(const std::vector<Record>& records) {
   for (const Bend bend : {Bend::kShear, Bend::kSweep}) {
     std::vector<Record> of_bend;
     std::ranges::copy_if(records, std::back_inserter(of_bend),
-                         [&](const Record& r) { return r.bend == bend; });
+                         [&](const Record& r) { return r.bend == bend && !r.caged; });
     if (of_bend.empty()) continue;
     bend == Bend::kSweep ? printSwept(records) : printMeans(of_bend);
     printTruth(of_bend);
   }
+  if (std::ranges::any_of(records, [](const Record& r) { return r.caged; })) printCaged(records);
 }
 
 void writeJson(const std::vector<Record>& records, const std::string& machine,
@@ -164,11 +191,12 @@ void writeJson(const std::vector<Record>& records, const std::string& machine,
                  "\"%s\", \"rays\": %llu, \"hits\": %llu, \"steps_mean\": %.3f, "
                  "\"steps_max\": %.0f, \"outside_mean\": %.3f, \"fetches_mean\": %.3f, \"checked\": %llu, "
                  "\"owed\": %llu, \"grazing\": %llu, \"missed\": %llu, "
-                 "\"false_hits\": %llu, \"depth_off\": %llu, \"frame_ms\": %.3f, \"machine\": \"%s\"}%s\n",
+                 "\"false_hits\": %llu, \"depth_off\": %llu, \"inverted\": %d, \"frame_ms\": %.3f, "
+                 "\"machine\": \"%s\"}%s\n",
                  r.scene.c_str(), r.size.c_str(), r.pose.c_str(), r.view.c_str(), toString(r.method),
                  n(r.rays), n(r.hits), r.steps_mean, r.steps_max, r.outside_mean, r.fetches_mean,
                  n(r.checked), n(r.owed), n(r.grazing), n(r.missed), n(r.false_hits), n(r.depth_off),
-                 r.frame_ms, machine.c_str(), &r == &records.back() ? "" : ",");
+                 r.inverted, r.frame_ms, machine.c_str(), &r == &records.back() ? "" : ",");
   }
   std::fprintf(file.get(), "]\n");
   if (std::ferror(file.get())) throw std::runtime_error(path.string() + ": cannot be written");

@@ -15,12 +15,15 @@ namespace kelp::bench {
 struct Record {
   std::string scene, size, pose, view;
   Bend bend = Bend::kShear;
+  bool caged = false;
+  int inverted = 0;  // tetrahedra
   bool moderate = false;
   Method method = Method::kKelp;
   std::uint64_t rays = 0, hits = 0;
   double steps_mean = 0, steps_max = 0, outside_mean = 0, fetches_mean = 0;
   // of rays compared with the ground truth
   std::uint64_t checked = 0, owed = 0, grazing = 0, missed = 0, false_hits = 0;
+  std::uint64_t farther = 0;    // missed, but there is a hit behind
   std::uint64_t depth_off = 0;  // hits, not grazing, more than half a voxel from the truth
   double frame_ms = 0;
   // kelp only: rays for which the C++ build of trace.glsl answers otherwise or counts otherwise

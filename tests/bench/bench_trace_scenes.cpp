@@ -38,6 +38,10 @@ bool tentacle(const dvec3& p) {
   return p.x > 0 && p.x < 1.15 * radius && rim > 0.5 && rim < 1;
 }
 
+// Teeth closer than any cell is wide, on a bar.
+bool comb(const dvec3& p) { return p.y < 0.1 || std::fmod(40 * (p.x + 1), 5) < 2; }
+bool slab(const dvec3&) { return true; }
+
 struct ItemSource {
   const char* file;  // a sample model, or below the assets; or the name of a shape
   bool sample;
@@ -53,6 +57,7 @@ struct SceneSource {
   Poses poses;
   std::vector<ItemSource> items;
   Bend bend = Bend::kShear;
+  bool caged = false;
 };
 
 const char kBunny[] = "mesh/common3d/stanford-bunny.obj";
@@ -68,6 +73,20 @@ std::vector<SceneSource> bentScenes() {
     swept.name += kSweptEnding;
     swept.bend = Bend::kSweep;
     all.insert(all.begin() + static_cast<std::ptrdiff_t>(i) + 1, std::move(swept));
+  }
+  return all;
+}
+
+std::vector<SceneSource> cagedScenes() {
+  std::vector<SceneSource> all{
+      {"bunny", {}, {{kBunny, false, Axis::kPlusY, {256, 249, 195}, kOrigin}}},
+      {"fish", {}, {{"fish.glb", true, Axis::kMinusX, {64, 256, 112}, kOrigin}}},
+      {"Fox", {}, {{"gltf/draco_testdata/Fox/Fox.gltf", false, Axis::kPlusZ, {42, 256, 130}, kOrigin}}},
+      {"comb", {}, {{"comb", false, Axis::kPlusY, {80, 128, 32}, kOrigin, comb}}},
+      {"slab", {}, {{"slab", false, Axis::kPlusY, {96, 128, 24}, kOrigin, slab}}}};
+  for (SceneSource& scene : all) {
+    scene.name += kCagedEnding;
+    scene.caged = true;
   }
   return all;
 }
@@ -101,6 +120,7 @@ const std::vector<SceneSource>& sources() {
            {128, 256, 128},
            {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {240, 60, 0}}}}}};
     for (SceneSource& scene : bentScenes()) of_paper.push_back(std::move(scene));
+    for (SceneSource& scene : cagedScenes()) of_paper.push_back(std::move(scene));
     return of_paper;
   }();
   return all;
@@ -180,6 +200,7 @@ Scene makeScene(const std::string& name, const std::filesystem::path& models,
     Scene scene;
     scene.name = name;
     scene.bend = source.bend;
+    scene.caged = source.caged;
     scene.poses = source.poses;
     for (const auto& item : source.items) {
       scene.items.push_back(makeItem(item, (item.sample ? models : assets) / item.file, threads));

@@ -27,6 +27,7 @@ struct Scene {
   std::string size;  // of the volumes, in words
   std::vector<Item> items;
   Bend bend = Bend::kShear;
+  bool caged = false;
   enum class Poses {
     kSines,    // tangents that swing
     kFigure6,  // these, and the paper's Figure 6
@@ -36,6 +37,9 @@ struct Scene {
 
 // The ending of the names of swept scenes; without it, the same models sheared.
 inline constexpr char kSweptEnding[] = " swept";
+// And of those in cages.
+inline constexpr char kCagedEnding[] = " caged";
+inline constexpr int kCageCell = 8;  // side of their cells, voxels
 
 // The names that makeScene takes.
 std::vector<std::string> sceneNames();

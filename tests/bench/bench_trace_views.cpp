@@ -19,6 +19,7 @@ using glm::dvec3;
 
 // A point of the undeformed volume to where it is drawn.
 dvec3 toWorld(const PosedItem& posed, const dvec3& rest) {
+  if (posed.map) return dvec3(posed.item->to_world * glm::dvec4(posed.map(rest), 1));
   if (posed.chain) {
     const dvec3 at(sweepPoint(*posed.chain, posed.item->volume.size, glm::vec3(rest)));
     return dvec3(posed.item->to_world * glm::dvec4(at, 1));
@@ -210,10 +211,14 @@ std::vector<PosedItem> poseItems(const Scene& scene, const Pose& pose) {
       const auto chain = std::make_shared<ArcChain>();
       if (const Result<void> made = makeArcs(knots, size, pose.roll, kArcTolerance, *chain); !made)
         throw std::runtime_error(scene.name + ", pose " + pose.name + ": " + made.error().detail);
-      posed.push_back({&scene.items[i], knots, {}, chain, chain->bounds});
+      posed.push_back({&scene.items[i], knots, {}, chain, chain->bounds, {}});
     } else {
-      posed.push_back({&scene.items[i], knots, makeSegment(knots[0], knots[1], static_cast<float>(size.y)),
-                       nullptr, deformedBounds(knots, size)});
+      posed.push_back({&scene.items[i],
+                       knots,
+                       makeSegment(knots[0], knots[1], static_cast<float>(size.y)),
+                       nullptr,
+                       deformedBounds(knots, size),
+                       {}});
     }
   }
   return posed;

@@ -3,6 +3,7 @@
 // method on the GPU, the C++ build of trace.glsl and the ground truth get the same bits.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,9 +28,10 @@ std::vector<Pose> makePoses(const Scene& scene);
 struct PosedItem {
   const Item* item = nullptr;
   std::vector<Knot> knots;
-  Segment segment;                        // of a sheared item
-  std::shared_ptr<const ArcChain> chain;  // of a swept one
-  Box bounds;                             // deformed, part space
+  Segment segment;                                        // of a sheared item
+  std::shared_ptr<const ArcChain> chain;                  // of a swept one
+  Box bounds;                                             // deformed, part space
+  std::function<glm::dvec3(const glm::dvec3& rest)> map;  // of a caged one, instead
 };
 std::vector<PosedItem> poseItems(const Scene& scene, const Pose& pose);
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "kelp/fields/cages.h"
-#include "posed_trial.h"
+#include "reference/posed_trial.h"
 #include "support/boxed_level.h"
 #include "support/poses.h"
 
@@ -179,25 +179,6 @@ void judgeInto(CageTally& tally, const Truth& truth, const trace::KelpHit& hit, 
   tally.first_failure = what + text;
 }
 
-// By the walks from all faces by which the ray enters: what a rasterizer would draw.
-trace::KelpHit walk(const PosedTrial& posed, const glm::vec3& o, const glm::vec3& r, float s_max, double& s) {
-  trace::KelpHit best = trace::kelpNoHit(s_max);
-  trace::KelpHit sum = best;
-  s = 1e30;
-  for (const CageTruth::Start& start : posed.truth().starts(dvec3(o), dvec3(r), double{s_max})) {
-    const glm::vec3 from(dvec3(o) + start.s * dvec3(r));
-    const trace::KelpHit hit = trace::kelpWalkCaged(posed.context(), start.face, from, r, 0.0f, s_max);
-    sum.steps += hit.steps;
-    sum.clips = std::max(sum.clips, hit.clips);
-    if (!hit.found || start.s + double{hit.s} >= s) continue;
-    best = hit;
-    s = start.s + double{hit.s};
-  }
-  best.steps = sum.steps;
-  best.clips = sum.clips;
-  return best;
-}
-
 }  // namespace
 
 CagedVolume cagedVolume(std::string name, const fields::Occupancy& volume, int cell, int level, bool lost) {
@@ -284,8 +265,10 @@ CageTallies runCageTrial(const CagedVolume& volume, const CagePose& pose, int ra
     tallies.traced.inside += kind == 10 && hit.found && hit.s == 0;
     if (!ray.outside) continue;
     double s;
-    const trace::KelpHit walked = walk(posed, o, r, s_max, s);
-    judgeInto(tallies.walked, truth, walked, s, std::string(what) + ", walked");
+    const trace::KelpHit walked =
+        walkCaged(posed.context(), posed.truth().starts(dvec3(o), dvec3(r), double{s_max}), o, r, s_max, s);
+    judgeInto(kind >= 1 && kind <= 5 ? tallies.aimed : tallies.walked, truth, walked, s,
+              std::string(what) + ", walked");
   }
   return tallies;
 }

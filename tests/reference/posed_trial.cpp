@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "posed_trial.h"
+#include "reference/posed_trial.h"
 
 #include <bit>
 #include <cmath>
@@ -25,6 +25,26 @@ const std::uint8_t* residentBrick(const void* user, std::uint32_t cell, int leve
 }
 
 }  // namespace
+
+trace::KelpHit walkCaged(const trace::Context& context, std::span<const CageTruth::Start> starts,
+                         const glm::vec3& o, const glm::vec3& r, float s_max, double& s) {
+  trace::KelpHit best = trace::kelpNoHit(s_max);
+  int steps = 0, tetrahedra = 0;
+  s = 1e30;
+  for (const CageTruth::Start& start : starts) {
+    if (start.s >= s) break;
+    const glm::vec3 from(dvec3(o) + start.s * dvec3(r));
+    const trace::KelpHit hit = trace::kelpWalkCaged(context, start.face, from, r, 0.0f, s_max);
+    steps += hit.steps;
+    tetrahedra += hit.clips;
+    if (!hit.found || start.s + double{hit.s} >= s) continue;
+    best = hit;
+    s = start.s + double{hit.s};
+  }
+  best.steps = steps;
+  best.clips = tetrahedra;
+  return best;
+}
 
 bool isResident(std::uint32_t cell, int level) {
   return !isStoredCell(cell) || mixed(std::uint64_t{cell} << 8 | static_cast<unsigned>(level)) % 2 != 0;

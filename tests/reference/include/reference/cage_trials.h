@@ -50,7 +50,7 @@ struct CageTally : TrialTally {
 };
 struct CageTallies {
   CageTally traced, walked;  // by kelpTraceCaged, by kelpWalkCaged
-  void add(const CageTallies& more) { traced.add(more.traced), walked.add(more.walked); }
+  CageTally aimed;           // walked, of rays that are aimed at nodes, edges and faces of tetrahedra
 };
 // Rays of every kind: past solid voxels; through a node, an edge, a face; within a face, along an edge; along
 // an axis; within a face of voxels; from 30 sizes of the bounds away; from inside cells, and where no cell

@@ -2,6 +2,7 @@
 // A caged volume in a pose, as the tracing core reads it. Include from .cpp files only.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "reference/cage_trials.h"
@@ -40,6 +41,11 @@ class PosedTrial {
   std::unique_ptr<CageTruth> truth_;
   trace::Context context_;
 };
+
+// The nearest hit of the walks from the faces by which a ray enters, ascending, as a rasterizer finds them
+// that draws the nearer ones first. s: how far it is, 1e30: nowhere.
+trace::KelpHit walkCaged(const trace::Context& context, std::span<const CageTruth::Start> starts,
+                         const glm::vec3& o, const glm::vec3& r, float s_max, double& s);
 
 // True if the brick of a stored cell is resident in trials where some are missing.
 bool isResident(std::uint32_t cell, int level);
