@@ -86,7 +86,8 @@ class Cages(Case):
                 path = os.path.join(ASSETS, name)
                 cage, bytes_of = self.baked(path, "--resolution", str(resolution), "--rig", "none",
                                             "--bend", "cage")
-                self.assertLess(bytes_of["CAGE"], (bytes_of["BRCK"] + bytes_of["GRID"]) / 10)
+                # Some 50 bytes are of the table, which weighs where a whole model has a thousand.
+                self.assertLess(bytes_of["CAGE"] - 50, (bytes_of["BRCK"] + bytes_of["GRID"]) / 10)
                 self.assertGreater(cage["cages"][0]["cells"], 40)
 
     def test_a_skin_has_none(self):
