@@ -234,11 +234,10 @@ TEST(CagePose, CoarseNodesOfATwistedStickStayNearIt) {
       // The stick's axis, in the cell's middle, may move by what the cell cannot follow.
       const glm::vec3 low(posed.cage->side * posed.cage->place(i)),
           f = (glm::vec3(50, low.y, 50) - low) / static_cast<float>(posed.cage->side);
-      const std::uint32_t* const corners = posed.cage->cell(i) + 2;
       glm::vec3 at(0);
       for (int k = 0; k < 8; ++k)
         at += ((k & 1) != 0 ? f.x : 1 - f.x) * ((k & 2) != 0 ? 0 : 1) * (k > 3 ? f.z : 1 - f.z) *
-              posed.nodes[corners[k]];
+              posed.nodes[posed.cage->node(i, k)];
       off += glm::distance(at, glm::vec3(50, low.y, 50)) / posed.cage->cells();
     }
     EXPECT_LT(off, 0.25 * posed.cage->side) << c;
