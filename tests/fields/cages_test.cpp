@@ -111,8 +111,9 @@ void findTouching(const fields::Occupancy& solid, TrueCage& cage) {
           {{cube, cage.piece[i]}, {cage.cubeAt(to / cage.side), cage.piece[solid.index(to)]}});
     });
   }
-  for (const auto& [cube, count] : voxels) {
-    if (count != cage.side * cage.side * cage.side) continue;
+  for (const std::pair<const int, int>& full : voxels) {
+    const int cube = full.first;
+    if (full.second != cage.side * cage.side * cage.side) continue;
     bool wrapped = true;
     forEachAround(cage.placeOf(cube), [&](const glm::ivec3& to) {
       const auto other = cage.hasCube(to) ? cage.pieces.find(cage.cubeAt(to)) : cage.pieces.end();
