@@ -153,7 +153,7 @@ TEST_F(KelpRenderBend, ExplainsWhatCannotBendSo) {
                     block = file("block.kelp", slab(Bend::kShear, kTilted, kBlock)),
                     sheared = file("sheared.kelp", slab(Bend::kShear, kLeaning)),
                     swept = file("swept.kelp", slab(Bend::kSweep, kLeaning));
-  refused({hook, "--bend", "twist"}, 1, {"--bend twist: expected shear or sweep"});
+  refused({hook, "--bend", "twist"}, 1, {"--bend twist: expected shear, sweep or cage"});
   refused({hook, "--bend"}, 1, {"--bend"});
   refused({hook, "--bend", "shear"}, 3,
           {"hook.kelp: --bend shear: part part: knot 1 (at 0.5): the spline turns back"});
