@@ -252,13 +252,14 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
     to.put(static_cast<std::uint8_t>(
         part.cages.empty() ? 0 : std::countr_zero(static_cast<unsigned>(part.cell))));
   for (const RawPart& part : pack.parts) {
-    CageMemory memory[2];
+    CageMemory even{Allocator()}, odd{Allocator()};
+    CageMemory* const memory[2] = {&even, &odd};
     Cage cages[2];
     for (std::size_t i = 0; i < part.cages.size(); ++i) {
       const Result<Cage> cage =
           makeCage(part.cages[i].source(), part.size, static_cast<int>(part.levels.size()), part.cell,
                    static_cast<int>(i), i > 0 ? &cages[(i - 1) & 1] : nullptr,
-                   std::numeric_limits<std::uint64_t>::max(), memory[i & 1]);
+                   std::numeric_limits<std::uint64_t>::max(), *memory[i & 1]);
       if (!cage)
         return cage.error().code == ErrorCode::kOutOfMemory ? kNoMemory : misuse(cage.error().detail);
       cages[i & 1] = *cage;

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdint>
 #include <span>
+#include <thread>
 
 #include "kelp/formats/geometry.h"
 #include "kelp/runtime/pose.h"
@@ -32,13 +33,12 @@ class Once {
       if (now == of(State::kMade, value)) return true;
       if (now == of(State::kFailed, value)) return false;
       if (now == of(State::kInHand, 0)) {
-        stamp_.wait(now, std::memory_order_acquire);
+        std::this_thread::yield();  // std::atomic::wait has a global table
         continue;
       }
       if (!stamp_.compare_exchange_weak(now, of(State::kInHand, 0), std::memory_order_acquire)) continue;
       const bool made = make();
       stamp_.store(of(made ? State::kMade : State::kFailed, value), std::memory_order_release);
-      stamp_.notify_all();
       return made;
     }
   }
