@@ -97,11 +97,12 @@ void expectExactCages(const CagedVolume& volume) {
 struct MissedShares {
   double traced, walked, aimed;
 };
-constexpr MissedShares kWithinACell{0.002, 0.01, 0.02}, kWithinTwo{0.03, 0.3, 0.3};
+constexpr MissedShares kWithinACell{0.002, 0.01, 0.02}, kWithinTwo{0.01, 0.17, 0.2};
 
 // With inverted tetrahedra: nothing is invented, all walks end, and few hits are farther than the first one.
 void expectEnds(const CagedVolume& volume, double shaken, const MissedShares& allowed) {
-  const CageTallies tallies = run(volume, reference::shakenPose(shaken), 1);
+  // All rays, under sanitizers too: a share says nothing of some percents.
+  const CageTallies tallies = reference::runCageTrial(volume, reference::shakenPose(shaken), cageRays(), 1);
   EXPECT_GT(tallies.traced.inverted, 0u);
   expectFewMissed(tallies.traced, allowed.traced);
   expectFewMissed(tallies.walked, allowed.walked);
