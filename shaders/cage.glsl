@@ -39,7 +39,7 @@ KELP_FN ivec3 kelpTetrahedronAxes(int number) {
 }
 // And the number by the first two.
 KELP_FN int kelpTetrahedronNumber(int a, int b) { return 2 * a + (b > 3 - a - b ? 1 : 0); }
-// What belongs to axes a, b, c, as x, y, z.
+// Numbers for the axes a, b, c, in the order x, y, z.
 KELP_FN vec3 kelpByAxes(ivec3 axes, vec3 v) {
   return vec3(axes.x == 0 ? v.x : (axes.y == 0 ? v.y : v.z), axes.x == 1 ? v.x : (axes.y == 1 ? v.y : v.z),
               axes.x == 2 ? v.x : (axes.y == 2 ? v.y : v.z));

@@ -7,7 +7,7 @@ KELP_FN uint kelpBeyond(KELP_CONTEXT_ uint at, ivec3 axes, int face) {
   return kelpCageBeyond(KELP_CONTEXT at, face == 0 ? 2 * axes.x + 1 : 2 * axes.z);
 }
 
-// What a ray must cross of a tetrahedron to tell where it comes from, of the tetrahedron's length there.
+// The share of a tetrahedron's length that a ray must cross, to tell where it comes from.
 #define KELP_CAGE_SHORT 0.05f
 
 // Where a ray is in a tetrahedron, the faces by which it enters and leaves, and where it is in one that is
@@ -38,7 +38,7 @@ KELP_FN KelpCrossing kelpCrossFace(KelpCrossing before, int face, float f, float
   return c;
 }
 
-// What a ray through the tree has found.
+// The hits of a ray through the tree so far.
 struct KelpCageSearch {
   KelpHit hit;
   float first;    // where the ray first enters a tetrahedron from anywhere but the inside, or inverted ones

@@ -238,7 +238,7 @@ void CageMaker::joinCubes(const Cube& low, const Cube& high, int axis) {
   }
 }
 
-// What lies beyond the faces of cells. A face that more than two cells have in common is boundary for all.
+// Finds the cell beyond each face. A face that more than two cells share is boundary for all of them.
 void CageMaker::joinCells() {
   for (std::uint32_t i = 0; i < cell_count_; ++i) std::fill_n(&beyond(i, 0), 6, kCageOutside);
   for (const std::uint64_t entry : cubes_) {

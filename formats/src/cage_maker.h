@@ -38,7 +38,7 @@ class CageMaker {
   // The words of a cage with so many faces. Call it after count().
   std::uint64_t wordsFor(std::uint64_t faces) const;
 
-  // words: words() of them, zero but for the cells, which are in their place already. places: nodes().
+  // words: words() of them. The cells are in their place already; the rest is zero. places: nodes() of them.
   // follows: nodes(), or none for the finest cage. finer: null for that.
   Result<Cage> write(std::span<std::uint32_t> words, std::span<std::uint32_t> places,
                      std::span<std::uint32_t> follows, const Cage* finer);

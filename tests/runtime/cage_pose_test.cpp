@@ -68,7 +68,7 @@ TEST(CagePose, NodesFollowTheSpline) {
   }
 }
 
-// What was made for one roll does not stand in for another.
+// Results for one roll are not used for another.
 TEST(CagePose, RollsThereAndBack) {
   const CagedAsset asset(twoLegs({27, 60, 30}), 4, Bend::kSweep);
   Pose pose = asset.pose(), fresh = asset.pose();

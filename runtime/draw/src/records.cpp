@@ -113,7 +113,8 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
   }
 }
 
-// What follows a record's head: how the part is bent, now and in the frame before. which: of its cages.
+// Writes the part of a record behind its head: how the part is bent now and in the frame before. which: the
+// number of its cage.
 glm::uvec4* DrawList::writeSpline(const Frame& frame, const Candidate& candidate, const PosedParts& posed,
                                   std::size_t k, int which, bool traced, glm::uvec4* out) {
   if (candidate.cages > 0) {

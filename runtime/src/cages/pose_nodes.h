@@ -14,7 +14,7 @@
 
 namespace kelp::runtime {
 
-// Whether something was made of the pose as it is. Whoever needs it first makes it, on any thread; others
+// Tells if something was made of the pose as it is. The first thread that needs it makes it; others
 // wait. Changes of the pose forget it.
 class Once {
  public:

@@ -75,7 +75,7 @@ constexpr glm::ivec3 cageGrid(const glm::ivec3& size, int side) {
   return {(size.x + side - 1) / side, (size.y + side - 1) / side, (size.z + side - 1) / side};
 }
 
-// What a file holds of a cage, and what a baker makes. Everything else follows: makeCage().
+// The part of a cage that a file holds and a baker makes. makeCage() computes the rest.
 struct CageSource {
   // One for each cube of the grid, x fastest, then y, then z: 0: no solid; 1 .. 254: so many pieces, each a
   // cell; kInsideBlock.

@@ -13,7 +13,7 @@
 namespace kelp::dump {
 namespace {
 
-// What is in the cubes of a cage. Cubes without cells that have faces in common are all inside, or none is.
+// The kind of each cube of a cage. Cubes without cells that have faces in common are all inside, or none is.
 class Cubes {
  public:
   explicit Cubes(const Cage& cage)

@@ -92,7 +92,7 @@ struct Quality {
   // Secondary rays stay in the same part of the same instance. They start less than two voxels off the
   // surface; in fog, at every voxel on the way. kMisuse without Features::kSecondaryRays, except with a
   // surface_glsl, which may call kelpVisible. They meet a part with a cage only if one of these two is set.
-  // Whether voxels keep the sun's light off others:
+  // True: voxels keep the sun's light off others.
   bool self_shadow = false;
   // 0 .. 16 cosine-weighted rays for each pixel, which measure how much of the sky it sees. 0: all of it.
   int occlusion_rays = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A part's cage as an instance poses it: what rays and draws need. Made once after each change of the pose,
-// by whoever asks first, and kept in the pose.
+// A part's cage as an instance poses it, with all that rays and draws need. After each change of the pose the
+// first caller makes it, and the pose keeps it.
 #pragma once
 
 #include <cstdint>
