@@ -24,8 +24,8 @@ RawPack makeRandomCagePack(std::uint32_t seed) {
     const glm::ivec3 size(5 + random() % 14, 5 + random() % 14, 5 + random() % 14);
     const std::uint32_t share = 2 + random() % 8, salt = random();
     const IsSolid solid = [=](const glm::ivec3& v) {
-      const auto hash =
-          static_cast<std::uint32_t>(v.x * 73856093 ^ v.y * 19349663 ^ v.z * 83492791) * 2654435769u;
+      const glm::uvec3 u(v);
+      const std::uint32_t hash = (u.x * 73856093u ^ u.y * 19349663u ^ u.z * 83492791u) * 2654435769u;
       return test::isInBox(v, {0, 0, 0}, size) && (v == glm::ivec3(0) || (hash ^ salt) % 10007 % 10 < share);
     };
     pack.parts.push_back(

@@ -54,7 +54,8 @@ fields::Occupancy legs(const glm::ivec3& size) {
   });
 }
 
-int cageRays() { return test::allTests() ? 3300 : 550; }
+// Of each pose: half a million of all tests, or ten million.
+int cageRays() { return test::allTests() ? 60000 : 3300; }
 
 CageTallies run(const CagedVolume& volume, const CagePose& pose, unsigned seed) {
   return reference::runCageTrial(volume, pose, test::shareOf(cageRays()), seed);

@@ -48,7 +48,7 @@ ProgramText programText(Program program, Dialect dialect, Features features, con
   const auto is = [program](Program bit) { return has(program, bit); };
   const bool fog = is(Program::kFog), debug = is(Program::kDebug), lines = is(Program::kLines);
   constexpr const char* kOnly[] = {"#define KELP_SHEARED_ONLY\n", "#define KELP_SWEPT_ONLY\n",
-                                   "#define KELP_CAGED_ONLY\n"};
+                                   "#define KELP_CAGED_ONLY\n", ""};
   const auto bend = static_cast<std::size_t>(bendOf(program));
   ProgramText text;
   add(text.vertex, preludeOf(dialect));
@@ -66,7 +66,7 @@ ProgramText programText(Program program, Dialect dialect, Features features, con
     addIf(text.fragment, surface != nullptr, "#define KELP_HOST_SURFACE\n");
     addFeatures(text.fragment, features);
   }
-  addIf(text.fragment, bendOf(program) != Program::kAnyBend, kOnly[bend % 3]);
+  addIf(text.fragment, bendOf(program) != Program::kAnyBend, kOnly[bend]);
   addPieces(text.fragment, fog ? std::span(shaders::kFogFragment) : std::span(shaders::kFragment), surface);
   return text;
 }
