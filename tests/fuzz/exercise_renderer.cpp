@@ -33,13 +33,17 @@ void checkPool(const test::FakeGl& fake, const runtime::Asset& asset, bool dista
     return at <= words.size() && wanted.size() <= words.size() - at &&
            std::equal(wanted.begin(), wanted.end(), words.begin() + static_cast<std::ptrdiff_t>(at));
   };
+  constexpr std::uint64_t kWords = 4;  // of a level in the table
   std::uint64_t table = 1024 + 9 * asset.pack().palette().size();
   for (int p = 0; p < static_cast<int>(asset.pack().parts().size()); ++p) {
     const Part& part = asset.pack().parts()[static_cast<std::size_t>(p)];
-    for (int l = 0; l < part.levels; ++l, table += 3) {
-      if (table + 3 > words.size()) fault("the tables lie beyond the pool");
+    for (int l = 0; l < part.levels; ++l, table += kWords) {
+      if (table + kWords > words.size()) fault("the tables lie beyond the pool");
       const std::uint64_t cells_at = words[table], pages_at = words[table + 1];
       const bool complete = words[table + 2] >> 31;
+      const bool cage = !part.cages.empty() && part.cageOf(l).last_level == l && cells_at > 0;
+      if ((words[table + 3] > 0) != cage) fault("a cage is missing, or where none belongs");
+      if (cage && !holds(words[table + 3], part.cageOf(l).words)) fault("the pool holds another cage");
       if (cells_at == 0) continue;
       const runtime::Level* level = asset.level(p, l);
       if (!level) fault("the pool holds a level that is not in memory");
@@ -53,8 +57,8 @@ void checkPool(const test::FakeGl& fake, const runtime::Asset& asset, bool dista
       }
     }
     const int fields = distances && asset.loadsDistances() ? asset.pack().distanceLevels(p) : 0;
-    for (int l = 0; l < fields; ++l, table += 3) {
-      if (table + 3 > words.size()) fault("the tables of distances lie beyond the pool");
+    for (int l = 0; l < fields; ++l, table += kWords) {
+      if (table + kWords > words.size()) fault("the tables of distances lie beyond the pool");
       if (words[table] == 0) continue;
       const runtime::Level* level = asset.distances(p, l);
       if (!level) fault("the pool holds distances that are not in memory");
