@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Walks through caged parts from their boundary, after sweep.glsl. kelp/formats/cage.h says what a cage is
-// and what its words mean; shaders/METHOD.md explains the mathematics.
+// The tetrahedra of caged parts and the voxels in them, after sweep.glsl. kelp/formats/cage.h says what a cage
+// is and what its words mean; shaders/METHOD.md explains the mathematics.
 //
 // The text before defines, beside what trace.glsl and sweep.glsl ask for:
 //   KELP_CAGED             bool: the part has a cage
@@ -22,6 +22,7 @@
 #define KELP_CAGE_TURNS 48  // tetrahedra around a node that a walk may visit
 #define KELP_CAGE_OUTSIDE 0xffffffffu
 #define KELP_CAGE_INSIDE 0xfffffffeu
+#define KELP_CAGE_MASKED 0x40000000u  // of a cell's first word; bit 24 + i: there is nothing beyond face i
 
 KELP_FN uint kelpCageCell(uint cell) { return 4u + 12u * cell; }
 // Of a cell at kelpCageCell(): the node at a corner, 0 to 7; the cell beyond a face, 0 to 5, if it has one.
@@ -55,15 +56,14 @@ struct KelpTetrahedron {
   float det;    // absolute: the sum of the shares
   bool turned;  // inverted, or flat
 };
-// `at`: kelpCageCell().
-KELP_FN KelpTetrahedron kelpTetrahedron(KELP_CONTEXT_ uint at, int number, vec3 o, vec3 r) {
+// By its corners, in their order.
+KELP_FN KelpTetrahedron kelpTetrahedronOf(ivec3 axes, vec3 x0, vec3 xa, vec3 xb, vec3 x7, vec3 o, vec3 r) {
   KelpTetrahedron g;
-  g.number = number;
-  g.axes = kelpTetrahedronAxes(number);
-  vec3 x0 = KELP_NODE(kelpCageNode(KELP_CONTEXT at, 0u));
-  vec3 a = KELP_NODE(kelpCageNode(KELP_CONTEXT at, 1u << uint(g.axes.x))) - x0;
-  vec3 b = KELP_NODE(kelpCageNode(KELP_CONTEXT at, 7u - (1u << uint(g.axes.z)))) - x0;
-  vec3 d = KELP_NODE(kelpCageNode(KELP_CONTEXT at, 7u)) - x0;
+  g.number = kelpTetrahedronNumber(axes.x, axes.y);
+  g.axes = axes;
+  vec3 a = xa - x0;
+  vec3 b = xb - x0;
+  vec3 d = x7 - x0;
   vec3 e = o - x0;
   vec3 of_a = cross(b, d);
   vec3 of_b = cross(d, a);
@@ -80,8 +80,19 @@ KELP_FN KelpTetrahedron kelpTetrahedron(KELP_CONTEXT_ uint at, int number, vec3 
   g.f = vec4(g.det - (fa + fb + f7), fa, fb, f7);
   g.slope = vec4(-(sa + sb + s7), sa, sb, s7);
   // At rest the determinants of numbers 0, 3 and 4 are positive.
-  g.turned = !((number == 0 || number == 3 || number == 4 ? det : -det) > 0.0f);
+  g.turned = !((g.number == 0 || g.number == 3 || g.number == 4 ? det : -det) > 0.0f);
   return g;
+}
+// Where the node at a corner of a cell is. `at`: kelpCageCell().
+KELP_FN vec3 kelpCageCorner(KELP_CONTEXT_ uint at, uint corner) {
+  return KELP_NODE(kelpCageNode(KELP_CONTEXT at, corner));
+}
+KELP_FN KelpTetrahedron kelpTetrahedron(KELP_CONTEXT_ uint at, int number, vec3 o, vec3 r) {
+  ivec3 axes = kelpTetrahedronAxes(number);
+  return kelpTetrahedronOf(axes, kelpCageCorner(KELP_CONTEXT at, 0u),
+                           kelpCageCorner(KELP_CONTEXT at, 1u << uint(axes.x)),
+                           kelpCageCorner(KELP_CONTEXT at, 7u - (1u << uint(axes.z))),
+                           kelpCageCorner(KELP_CONTEXT at, 7u), o, r);
 }
 // A cell's coordinates, 0 to 1, from the shares of a tetrahedron's corners.
 KELP_FN vec3 kelpCellPlace(ivec3 axes, vec4 f) {
@@ -135,103 +146,241 @@ KELP_FN bool kelpIsOfPiece(KELP_CONTEXT_ uint masks, ivec3 v, int side) {
   return ((KELP_CAGE_WORD(at + (bit >> 5u)) >> (bit & 31u)) & 1u) != 0u;
 }
 
-// Walks the voxels of a tetrahedron along the ray, for s in range, to the first solid one. `from` is where
-// the ray's s is 0 for g. `inside`: the face, 0 or 3, by which the ray leaves at the end of the range into
-// the inside; or -1. Every step leaves an empty box by the face that is exited first. The voxel behind that
-// face is set, not computed; the other coordinates never go back. So it ends, whatever rounding does.
-// Long: steps share the ray, the voxel and the box.
+// A ray among the voxels of a tetrahedron: q + b dq, b in [0, end], in voxels of the level from the cell's
+// corner. A step leaves an empty box by the face that is exited first. The voxel behind that face is set, not
+// computed; the other coordinates never go back. So it ends, whatever rounding does.
+struct KelpMarch {
+  vec3 corner;  // of the cell
+  float side;   // of the cell
+  vec3 last;    // its last voxel: cells may end beyond the volume
+  vec3 q;
+  vec3 dq;
+  vec3 per;  // 1 / dq; 0 where the ray stays in its layer of voxels
+  float start;  // the ray's s at b = 0
+  float end;
+  int beyond_axis;  // of the face, 0 or 3, by which the ray leaves at the end into the inside; -1: it does not
+  float behind;     // that face: the coordinate of the voxels there
+  bool masked;      // the cell is a piece of several
+  vec3 v;           // the voxel it is in
+  float b;
+  bool beyond;   // v is behind the face into the inside
+  bool looked;   // v lies in an empty box that kelpLookCloser found
+  vec3 low;      // this
+  vec3 high;
+  bool going;    // in a voxel that was not looked at yet
+  bool unclear;  // v needs kelpLookCloser: it may be another piece's, or its brick is missing
+  bool found;    // v is solid
+  int coarser;   // of what was found, as in KelpHit
+  ivec3 voxel;
+  uint brick;
+  uint code;
+  int steps;
+  int fetches;
+};
+KELP_FN KelpMarch kelpNoMarch() {
+  KelpMarch m;
+  m.corner = vec3(0.0f);
+  m.side = 0.0f;
+  m.last = vec3(0.0f);
+  m.q = vec3(0.0f);
+  m.dq = vec3(0.0f);
+  m.per = vec3(0.0f);
+  m.start = 0.0f;
+  m.end = 0.0f;
+  m.beyond_axis = -1;
+  m.behind = 0.0f;
+  m.masked = false;
+  m.v = vec3(0.0f);
+  m.b = 0.0f;
+  m.beyond = false;
+  m.looked = false;
+  m.low = vec3(0.0f);
+  m.high = vec3(0.0f);
+  m.going = false;
+  m.unclear = false;
+  m.found = false;
+  m.coarser = 0;
+  m.voxel = ivec3(0);
+  m.brick = 0u;
+  m.code = 0u;
+  m.steps = 0;
+  m.fetches = 0;
+  return m;
+}
+// A march through g for s in range. place: the cell's first word; side: of the cell, level-0 voxels. `inside`:
+// the face by which the ray leaves at the end of the range into the inside; or -1. If `before` ended at an
+// unclear voxel, and was looked at, it goes on there.
+KELP_FN KelpMarch kelpBeginMarch(KELP_CONTEXT_ KelpTetrahedron g, uint place, float side, vec2 range,
+                                 int inside, KelpMarch before) {
+  KelpMarch m = before;
+  float scale = KELP_LEVEL_SCALE;
+  m.side = scale * side;
+  m.corner = m.side * vec3(float(place & 255u), float((place >> 8u) & 255u), float((place >> 16u) & 255u));
+  m.masked = (place & KELP_CAGE_MASKED) != 0u;
+  ivec3 size = KELP_LEVEL_SIZE;
+  m.last = min(vec3(m.side), vec3(float(size.x), float(size.y), float(size.z)) - m.corner) - vec3(1.0f);
+  m.q = (m.side / g.det) * kelpCellPlace(g.axes, g.f);
+  m.dq = (m.side / g.det) * kelpCellPlace(g.axes, g.slope);
+  // Beyond the volume there is no voxel.
+  vec3 room = min(vec3(m.side), scale * KELP_SIZE - m.corner);
+  vec2 s = range;
+  if (min(room.x, min(room.y, room.z)) < m.side)
+    s = kelpClip(kelpClip(kelpClip(s, room.x - m.q.x, -m.dq.x), room.y - m.q.y, -m.dq.y), room.z - m.q.z,
+                 -m.dq.z);
+  m.going = s.x <= s.y;
+  m.beyond_axis = inside >= 0 && s.y == range.y ? (inside == 0 ? g.axes.x : g.axes.z) : -1;
+  m.behind = inside == 0 ? m.side : -1.0f;
+  m.q = min(max(vec3(0.0f), m.q + s.x * m.dq), vec3(m.side));  // in this order: 0 where q is NaN
+  m.start = s.x;
+  m.end = s.y - s.x;
+  m.b = 0.0f;
+  m.per = vec3(abs(m.dq.x) > 1e-20f ? 1.0f / m.dq.x : 0.0f, abs(m.dq.y) > 1e-20f ? 1.0f / m.dq.y : 0.0f,
+               abs(m.dq.z) > 1e-20f ? 1.0f / m.dq.z : 0.0f);
+  if (m.looked) {
+    m.per = vec3(before.per.x != 0.0f ? m.per.x : 0.0f, before.per.y != 0.0f ? m.per.y : 0.0f,
+                 before.per.z != 0.0f ? m.per.z : 0.0f);
+  } else {
+    m.v = min(max(vec3(0.0f), floor(m.q)), m.last);
+    m.beyond = false;
+  }
+  m.unclear = false;
+  m.found = false;
+  m.coarser = 0;
+  return m;
+}
+// To the first solid or unclear voxel, or the end. Cells of up to 8 voxels lie in one brick, so that is looked
+// up outside of the loop over its voxels: SIMD runs all branches. Long: the loops share the ray and the box.
+KELP_FN KelpMarch kelpMarchOn(KELP_CONTEXT_ KelpMarch before) {
+  KelpMarch m = before;
+  bvec3 up = bvec3(m.dq.x > 0.0f, m.dq.y > 0.0f, m.dq.z > 0.0f);
+  vec3 top = m.last + vec3(1.0f);
+  do {
+    m.voxel = ivec3(m.corner + m.v);
+    ivec3 at = ivec3(m.voxel.x >> 3, m.voxel.y >> 3, m.voxel.z >> 3);
+    uint cell = KELP_CELL(at);
+    bool stored = cell >= 0x80000000u;
+    m.brick = 0u;
+    if (stored) m.brick = KELP_BRICK(0, cell);
+    bool missing = stored && m.brick == 0u;
+    m.fetches += 2;
+    // The brick, within the cell.
+    vec3 first = 8.0f * vec3(float(at.x), float(at.y), float(at.z)) - m.corner;
+    vec3 past = min(first + vec3(8.0f), top);
+    first = max(first, vec3(0.0f));
+    bool same = true;
+    do {
+      m.code = 0u;
+      if (m.brick != 0u) m.code = KELP_CODE(0, m.brick, m.voxel);
+      ++m.steps;
+      ++m.fetches;
+      bool solid = m.code >= 64u;
+      m.unclear = !m.looked && (missing || (solid && m.masked && !m.beyond));
+      m.found = solid && !m.looked && !m.unclear;
+      m.going = (m.looked || !(solid || missing || m.beyond)) && m.steps < KELP_MAX_STEPS;
+      if (m.going) {
+        // Out of the empty box.
+        vec3 reach = vec3(float(1u << (m.code & 3u)), float(1u << ((m.code >> 2u) & 3u)),
+                          float(1u << ((m.code >> 4u) & 3u)));
+        vec3 low = max(m.v + vec3(1.0f) - reach, first);
+        vec3 high = min(m.v + reach, past);
+        low = m.looked ? m.low : (stored ? low : first);
+        high = m.looked ? m.high : (stored ? high : past);
+        vec3 face = vec3(up.x ? high.x : low.x, up.y ? high.y : low.y, up.z ? high.z : low.z);
+        vec3 leave = vec3(m.per.x != 0.0f ? (face.x - m.q.x) * m.per.x : KELP_NEVER,
+                          m.per.y != 0.0f ? (face.y - m.q.y) * m.per.y : KELP_NEVER,
+                          m.per.z != 0.0f ? (face.z - m.q.z) * m.per.z : KELP_NEVER);
+        float next = min(leave.x, min(leave.y, leave.z));
+        m.b = max(m.b, min(next, m.end));
+        vec3 there = floor(m.q + m.b * m.dq);
+        vec3 least = vec3(up.x ? m.v.x : low.x, up.y ? m.v.y : low.y, up.z ? m.v.z : low.z);
+        vec3 most = vec3(up.x ? high.x : m.v.x + 1.0f, up.y ? high.y : m.v.y + 1.0f,
+                         up.z ? high.z : m.v.z + 1.0f);
+        there = min(max(least, there), most - vec3(1.0f));
+        bool done = !(next < m.end);
+        if (!done) {
+          if (leave.x == next) there.x = up.x ? face.x : face.x - 1.0f;
+          if (leave.y == next) there.y = up.y ? face.y : face.y - 1.0f;
+          if (leave.z == next) there.z = up.z ? face.z : face.z - 1.0f;
+          // Out of the cell: at the end, but for rounding. Or else the ray is in the cell's own face: it stays.
+          vec3 in_cell = min(max(vec3(0.0f), there), m.last);
+          bvec3 out_of = bvec3(in_cell.x != there.x, in_cell.y != there.y, in_cell.z != there.z);
+          done = (out_of.x || out_of.y || out_of.z) && next > m.end - KELP_ERODE;
+          m.per =
+              vec3(out_of.x ? 0.0f : m.per.x, out_of.y ? 0.0f : m.per.y, out_of.z ? 0.0f : m.per.z);
+          there = in_cell;
+        }
+        if (done) {
+          int axis = m.beyond_axis;
+          there = vec3(axis == 0 ? m.behind : there.x, axis == 1 ? m.behind : there.y,
+                       axis == 2 ? m.behind : there.z);
+          m.b = max(m.b, m.end);
+          m.going = axis >= 0;
+          m.beyond = true;
+        }
+        m.v = there;
+        m.looked = false;
+        m.voxel = ivec3(m.corner + m.v);
+        same = (m.voxel.x >> 3) == at.x && (m.voxel.y >> 3) == at.y && (m.voxel.z >> 3) == at.z;
+      }
+    } while (m.going && same);
+  } while (m.going);
+  return m;
+}
+// At an unclear voxel: it is found, or lies in a box that was looked at. `cell`: the cage's.
+KELP_FN KelpMarch kelpLookCloser(KELP_CONTEXT_ KelpMarch before, uint cell) {
+  KelpMarch m = before;
+  KelpVoxel seen = kelpLookUp(KELP_CONTEXT ivec3(m.corner + m.v), KELP_COMPLETE);
+  m.fetches += 3 + 2 * seen.coarser;
+  m.unclear = false;
+  m.found = seen.code >= 64u;
+  if (m.found) {
+    ivec3 v = ivec3(m.v);
+    v = ivec3(v.x >> seen.coarser, v.y >> seen.coarser, v.z >> seen.coarser);
+    if (m.masked && !m.beyond)
+      m.found = kelpIsOfPiece(KELP_CONTEXT KELP_CAGE_WORD(kelpCageCell(cell) + 1u), v,
+                              int(m.side) >> seen.coarser);
+    seen.box.center = vec3(float(seen.at.x), float(seen.at.y), float(seen.at.z)) + vec3(0.5f);
+    seen.box.half_size = vec3(0.5f);
+  }
+  m.coarser = seen.coarser;
+  m.voxel = seen.at;
+  m.brick = seen.brick;
+  m.code = seen.code;
+  m.looked = true;
+  m.low = max(seen.side * (seen.box.center - seen.box.half_size) - m.corner, vec3(0.0f));
+  m.high = min(seen.side * (seen.box.center + seen.box.half_size) - m.corner, m.last + vec3(1.0f));
+  return m;
+}
+// `before` with what a march has found. `from` is where the ray's s is 0 for g.
+KELP_FN KelpHit kelpMarchHit(KELP_CONTEXT_ KelpMarch m, KelpTetrahedron g, uint cell, float from,
+                             KelpHit before) {
+  KelpHit hit = before;
+  hit.found = true;
+  hit.s = from + (m.start + m.b);
+  hit.segment = int(cell << 3u) | g.number;
+  hit.coarser = m.coarser;
+  hit.voxel = m.voxel;
+  hit.brick = m.brick;
+  hit.code = m.code;
+  hit.rest = (m.corner + min(max(m.v, m.q + m.b * m.dq), m.v + vec3(1.0f))) / KELP_LEVEL_SCALE;
+  return hit;
+}
+// The voxels of a tetrahedron along the ray, for s in range, to the first solid one. `from`, `inside`: as
+// above.
 KELP_FN KelpHit kelpMarchTetrahedron(KELP_CONTEXT_ KelpTetrahedron g, uint cell, float from, vec2 range,
                                      int inside, KelpHit before) {
   KelpHit hit = before;
-  uint at = kelpCageCell(cell);
-  float scale = KELP_LEVEL_SCALE;
-  bool complete = KELP_COMPLETE;
-  float side = scale * float(1u << (KELP_CAGE_WORD(3u) & 31u));
-  uint place = KELP_CAGE_WORD(at);
-  uint masks = KELP_CAGE_WORD(at + 1u);
-  vec3 corner = side * vec3(float(place & 255u), float((place >> 8u) & 255u), float((place >> 16u) & 255u));
-  // Cells may end beyond the part. There is no voxel.
-  vec3 room = scale * KELP_SIZE - corner;
-  ivec3 size = KELP_LEVEL_SIZE;
-  vec3 top = min(vec3(side), vec3(float(size.x), float(size.y), float(size.z)) - corner);
-
-  // In voxels of the level, from the cell's corner.
-  vec3 q = (side / g.det) * kelpCellPlace(g.axes, g.f);
-  vec3 dq = (side / g.det) * kelpCellPlace(g.axes, g.slope);
-  vec2 s = range;
-  if (min(room.x, min(room.y, room.z)) < side) {
-    s = kelpClip(kelpClip(kelpClip(s, room.x - q.x, -dq.x), room.y - q.y, -dq.y), room.z - q.z, -dq.z);
-    if (!(s.x <= s.y)) return hit;
+  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  KelpMarch m = kelpBeginMarch(KELP_CONTEXT g, KELP_CAGE_WORD(kelpCageCell(cell)), side, range, inside,
+                               kelpNoMarch());
+  while (m.going) {
+    m = kelpMarchOn(KELP_CONTEXT m);
+    if (m.unclear) m = kelpLookCloser(KELP_CONTEXT m, cell);
+    m.going = m.looked && !m.found && !m.beyond;
   }
-  bool enters = inside >= 0 && s.y == range.y;
-  q = min(max(vec3(0.0f), q + s.x * dq), vec3(side));  // in this order: 0 where q is NaN
-  float end = s.y - s.x;
-  float b = 0.0f;
-  vec3 per = vec3(abs(dq.x) > 1e-20f ? 1.0f / dq.x : 0.0f, abs(dq.y) > 1e-20f ? 1.0f / dq.y : 0.0f,
-                  abs(dq.z) > 1e-20f ? 1.0f / dq.z : 0.0f);
-  vec3 last = top - vec3(1.0f);
-  vec3 v = min(max(vec3(0.0f), floor(q)), last);
-  bool beyond = false;  // v is behind the face into the inside
-  bool going = true;
-  while (going && hit.steps < KELP_MAX_STEPS) {
-    KelpVoxel found = kelpLookUp(KELP_CONTEXT ivec3(corner + v), complete);
-    ++hit.steps;
-    hit.fetches += 3 + 2 * found.coarser;
-    bool solid = found.code >= 64u;
-    if (solid && masks != 0u && !beyond) {
-      int coarse_side = int(side) >> found.coarser;
-      ivec3 in_cell = ivec3(v);
-      in_cell = ivec3(in_cell.x >> found.coarser, in_cell.y >> found.coarser, in_cell.z >> found.coarser);
-      solid = kelpIsOfPiece(KELP_CONTEXT masks, in_cell, coarse_side);
-      found.box.center = vec3(float(found.at.x), float(found.at.y), float(found.at.z)) + vec3(0.5f);
-      found.box.half_size = vec3(0.5f);
-    }
-    if (solid) {
-      hit.found = true;
-      hit.s = from + (s.x + b);
-      hit.segment = int(cell << 3u) | g.number;
-      hit.coarser = found.coarser;
-      hit.voxel = found.at;
-      hit.brick = found.brick;
-      hit.code = found.code;
-      hit.rest = (corner + min(max(v, q + b * dq), v + vec3(1.0f))) / scale;
-    }
-    // Out of the box.
-    vec3 low = max(found.side * (found.box.center - found.box.half_size) - corner, vec3(0.0f));
-    vec3 high = min(found.side * (found.box.center + found.box.half_size) - corner, top);
-    bvec3 up = bvec3(dq.x > 0.0f, dq.y > 0.0f, dq.z > 0.0f);
-    vec3 face = vec3(up.x ? high.x : low.x, up.y ? high.y : low.y, up.z ? high.z : low.z);
-    vec3 leave = vec3(per.x != 0.0f ? (face.x - q.x) * per.x : KELP_NEVER,
-                      per.y != 0.0f ? (face.y - q.y) * per.y : KELP_NEVER,
-                      per.z != 0.0f ? (face.z - q.z) * per.z : KELP_NEVER);
-    float next = min(leave.x, min(leave.y, leave.z));
-    b = max(b, min(next, end));
-    vec3 there = floor(q + b * dq);
-    vec3 least = vec3(up.x ? v.x : low.x, up.y ? v.y : low.y, up.z ? v.z : low.z);
-    vec3 most = vec3(up.x ? high.x : v.x + 1.0f, up.y ? high.y : v.y + 1.0f, up.z ? high.z : v.z + 1.0f);
-    there = min(max(least, there), most - vec3(1.0f));
-    bool done = !(next < end);
-    if (!done) {
-      if (leave.x == next) there.x = up.x ? face.x : face.x - 1.0f;
-      if (leave.y == next) there.y = up.y ? face.y : face.y - 1.0f;
-      if (leave.z == next) there.z = up.z ? face.z : face.z - 1.0f;
-      // Out of the cell: at the end, but for rounding. Or else the ray is in the cell's own face: it stays.
-      vec3 in_cell = min(max(vec3(0.0f), there), last);
-      bvec3 out_of = bvec3(in_cell.x != there.x, in_cell.y != there.y, in_cell.z != there.z);
-      done = (out_of.x || out_of.y || out_of.z) && next > end - KELP_ERODE;
-      per = vec3(out_of.x ? 0.0f : per.x, out_of.y ? 0.0f : per.y, out_of.z ? 0.0f : per.z);
-      there = in_cell;
-    }
-    going = !solid && !beyond && (!done || enters);
-    if (done) {
-      beyond = true;
-      int axis = inside == 0 ? g.axes.x : g.axes.z;
-      float behind = inside == 0 ? side : -1.0f;
-      there = vec3(axis == 0 ? behind : there.x, axis == 1 ? behind : there.y, axis == 2 ? behind : there.z);
-      b = max(b, end);
-    }
-    v = there;
-  }
+  hit.steps += m.steps;
+  hit.fetches += m.fetches;
+  if (m.found) hit = kelpMarchHit(KELP_CONTEXT m, g, cell, from, hit);
   return hit;
 }
 
@@ -254,112 +403,4 @@ KELP_FN vec2 kelpFoldRange(KELP_CONTEXT_ vec3 o, vec3 r) {
   vec3 high = KELP_CAGE_FOLD_HIGH;
   if (!(low.x <= high.x)) return vec2(KELP_NEVER, -KELP_NEVER);
   return kelpBoxRange(low, high, o, kelpPerDirection(r), vec2(-KELP_NEVER, KELP_NEVER));
-}
-
-// Where a walk begins anew, the n-th time: beside the point of the start face where it began, by less than is
-// promised. Only what passes an edge of the boundary begins anew: rounding may have taken it out of the cage.
-KELP_FN vec3 kelpNudged(KELP_CONTEXT_ uint face, vec3 o, int n) {
-  uint at = kelpCageCell(face >> 5u);
-  ivec3 axes = kelpTetrahedronAxes(int((face >> 2u) & 7u));
-  uint a = 1u << uint(axes.x);
-  uint b = 7u - (1u << uint(axes.z));
-  // Corners of the face: 0 or 7, a and a + b.
-  vec3 middle = KELP_NODE(kelpCageNode(KELP_CONTEXT at, a));
-  vec3 along = KELP_NODE(kelpCageNode(KELP_CONTEXT at, b)) - middle;
-  vec3 across = KELP_NODE(kelpCageNode(KELP_CONTEXT at, (face & 3u) == 0u ? 7u : 0u)) - middle;
-  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
-  float angle = 2.4f * float(n);
-  float far = KELP_CAGE_SLACK / side * (float(n) / float(KELP_CAGE_TRIES));
-  return o + far * (cos(angle) * along + sin(angle) * across);
-}
-
-// The first solid voxel of a caged part along o + s r, s in [s_min, s_max], of a walk that begins in a
-// boundary face: from tetrahedron to tetrahedron, by the face that is exited first, never back by the one
-// just entered. `face` is its word in the list of boundary faces. o lies on it, and the ray enters there.
-// Inverted tetrahedra are crossed backwards and draw nothing. A walk that may go backwards later goes on
-// behind its first hit, because another may be nearer. Long: steps share the ray, the place and the faces.
-KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_min, float s_max) {
-  KelpHit hit = kelpNoHit(s_max);
-#ifdef KELP_DISTANCES
-  hit.room = 0.0;
-#endif
-  vec2 fold = kelpFoldRange(KELP_CONTEXT o, r);
-  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
-  vec3 from = o;
-  int tries = 0;
-  bool again = ((face >> 2u) & 7u) < 6u;
-  while (again) {
-    uint cell = face >> 5u;
-    int number = int((face >> 2u) & 7u);
-    int entry = int(face & 3u);
-    float s = 0.0f;
-    int turns = 0;  // steps without a way
-    bool lost = false;
-    bool going = true;
-    while (going && hit.clips < KELP_MAX_TETRAHEDRA) {
-      ++hit.clips;
-      uint at = kelpCageCell(cell);
-      KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, from, r);
-      float way = g.turned ? -1.0f : 1.0f;
-      uint high = kelpCageBeyond(KELP_CONTEXT at, 2 * g.axes.x + 1);
-      uint low = kelpCageBeyond(KELP_CONTEXT at, 2 * g.axes.z);
-      // The faces towards which the ray goes, and when it is there. Beyond the boundary there is no way back,
-      // so it lies a little farther out.
-      vec4 towards = -way * g.slope;
-      float slack = g.det * (KELP_CAGE_SLACK / side);
-      float f_0 = g.f.x + (high == KELP_CAGE_OUTSIDE ? slack : 0.0f);
-      float f_3 = g.f.w + (low == KELP_CAGE_OUTSIDE ? slack : 0.0f);
-      // Those along which it goes, but for rounding, are not crossed.
-      vec4 speed = abs(g.slope);
-      float least = 1e-5f * max(max(speed.x, speed.y), max(speed.z, speed.w));
-      float to_0 = entry != 0 && towards.x > least ? f_0 / towards.x : KELP_NEVER;
-      float to_1 = entry != 1 && towards.y > least ? g.f.y / towards.y : KELP_NEVER;
-      float to_2 = entry != 2 && towards.z > least ? g.f.z / towards.z : KELP_NEVER;
-      float to_3 = entry != 3 && towards.w > least ? f_3 / towards.w : KELP_NEVER;
-      float leave = min(min(to_0, to_1), min(to_2, to_3));
-      int exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
-      if (!(leave < KELP_NEVER)) {
-        // Flat, or rounding: by the face that is nearest to being crossed.
-        to_0 = entry != 0 ? -towards.x : KELP_NEVER;
-        to_1 = entry != 1 ? -towards.y : KELP_NEVER;
-        to_2 = entry != 2 ? -towards.z : KELP_NEVER;
-        to_3 = entry != 3 ? -towards.w : KELP_NEVER;
-        leave = min(min(to_0, to_1), min(to_2, to_3));
-        exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
-        leave = way * s;
-      }
-      float out_s = g.turned ? min(-leave, s) : max(leave, s);
-
-      uint next = exit == 0 ? high : (exit == 3 ? low : cell);
-      float reached = out_s;
-      vec2 range = vec2(max(s, s_min), min(out_s, hit.s));
-      if (!g.turned && range.x <= range.y) {
-        bool enters = next == KELP_CAGE_INSIDE && range.y == out_s;
-        hit = kelpMarchTetrahedron(KELP_CONTEXT g, cell, 0.0f, range, enters ? exit : -1, hit);
-        if (hit.found && hit.s <= range.y) reached = hit.s;
-      }
-      going = reached < hit.s || (hit.s > fold.x && reached < fold.y);
-      // Out of the cage, close to another face than the one it leaves by? Or round an edge without end?
-      float more = exit == 0 ? (f_0 - g.f.x) / towards.x : (exit == 3 ? (f_3 - g.f.w) / towards.w : 0.0f);
-      vec4 there = g.f + (out_s - way * more) * g.slope;
-      int touched = (there.x <= 2.0f * slack ? 1 : 0) + (there.y <= 2.0f * slack ? 1 : 0) +
-                    (there.z <= 2.0f * slack ? 1 : 0) + (there.w <= 2.0f * slack ? 1 : 0);
-      turns = out_s == s ? turns + 1 : 0;
-      lost = turns > KELP_CAGE_TURNS || (next >= KELP_CAGE_INSIDE && touched > 1);
-      again = going && !hit.found && lost;
-      going = going && !lost && next < KELP_CAGE_INSIDE;
-      s = out_s;
-      cell = next;
-      ivec3 axes = g.axes;
-      number = exit == 0   ? kelpTetrahedronNumber(axes.y, axes.z)
-               : exit == 1 ? kelpTetrahedronNumber(axes.y, axes.x)
-               : exit == 2 ? kelpTetrahedronNumber(axes.x, axes.z)
-                           : kelpTetrahedronNumber(axes.z, axes.x);
-      entry = exit == 0 || exit == 3 ? 3 - exit : exit;
-    }
-    ++tries;
-    again = again && tries < KELP_CAGE_TRIES && hit.clips < KELP_MAX_TETRAHEDRA;
-    if (again) from = kelpNudged(KELP_CONTEXT face, o, tries);
-  }
-  return hit;
 }

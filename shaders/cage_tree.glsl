@@ -191,29 +191,28 @@ KELP_FN vec3 kelpPlaceInCell(KELP_CONTEXT_ KelpHit hit) {
   vec3 corner = vec3(float(place & 255u), float((place >> 8u) & 255u), float((place >> 16u) & 255u));
   return clamp(hit.rest / side - corner, vec3(0.0f), vec3(1.0f));
 }
-// An edge of a cell, from a corner along an axis of bit a.
-KELP_FN vec3 kelpEdge(KELP_CONTEXT_ uint at, uint corner, uint a) {
-  return KELP_NODE(kelpCageNode(KELP_CONTEXT at, corner + a)) -
-         KELP_NODE(kelpCageNode(KELP_CONTEXT at, corner));
+// Where a point of a cell's face is: of the low (0) or the high (1) one along an axis, at its coordinates
+// across: those along the next axis and the one after it.
+KELP_FN vec3 kelpOnFace(KELP_CONTEXT_ uint at, int axis, uint high, float v, float w) {
+  uint b = axis == 2 ? 1u : 2u << uint(axis);
+  uint c = 7u - b - (1u << uint(axis));
+  uint corner = high << uint(axis);
+  vec3 x0 = kelpCageCorner(KELP_CONTEXT at, corner);
+  vec3 xb = kelpCageCorner(KELP_CONTEXT at, corner + b);
+  vec3 xc = kelpCageCorner(KELP_CONTEXT at, corner + c);
+  vec3 xbc = kelpCageCorner(KELP_CONTEXT at, corner + b + c);
+  return mix(mix(x0, xb, v), mix(xc, xbc, v), w);
 }
-// How far two nodes of an edge of a cell along `axis` are apart, in the mean of its four edges there, by
-// their coordinates across: those along the next axis and the one after it.
-KELP_FN vec3 kelpAlongCell(KELP_CONTEXT_ uint at, int axis, float v, float w) {
-  uint a = 1u << uint(axis);
-  uint b = axis == 2 ? 1u : 2u * a;
-  uint c = 7u - a - b;
-  vec3 e0 = kelpEdge(KELP_CONTEXT at, 0u, a);
-  vec3 eb = kelpEdge(KELP_CONTEXT at, b, a);
-  vec3 ec = kelpEdge(KELP_CONTEXT at, c, a);
-  vec3 e7 = kelpEdge(KELP_CONTEXT at, b + c, a);
-  return mix(mix(e0, eb, v), mix(ec, e7, v), w);
-}
-// The same, gone over to the neighbor's towards the face that they share.
+// How far the faces of a cell are apart along an axis, at its coordinates along that and across, gone over to
+// the neighbor's towards the face that they share.
 KELP_FN vec3 kelpAcrossCells(KELP_CONTEXT_ uint at, int axis, float u, float v, float w) {
-  vec3 own = kelpAlongCell(KELP_CONTEXT at, axis, v, w);
-  uint beside = kelpCageBeyond(KELP_CONTEXT at, 2 * axis + (u > 0.5f ? 1 : 0));
-  if (beside >= KELP_CAGE_INSIDE) return own;
-  return mix(own, kelpAlongCell(KELP_CONTEXT kelpCageCell(beside), axis, v, w), abs(u - 0.5f));
+  bool up = u > 0.5f;
+  vec3 low = kelpOnFace(KELP_CONTEXT at, axis, 0u, v, w);
+  vec3 high = kelpOnFace(KELP_CONTEXT at, axis, 1u, v, w);
+  uint beside = kelpCageBeyond(KELP_CONTEXT at, 2 * axis + (up ? 1 : 0));
+  if (beside >= KELP_CAGE_INSIDE) return high - low;
+  vec3 far = kelpOnFace(KELP_CONTEXT kelpCageCell(beside), axis, up ? 1u : 0u, v, w);
+  return mix(high - low, up ? far - high : low - far, abs(u - 0.5f));
 }
 // The normal in part space, up to length, of a surface whose normal at rest is n: n times the cofactors of
 // the map's derivative, which is blended between cells, so that no facets show.

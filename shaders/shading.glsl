@@ -169,11 +169,13 @@ KelpSurface kelpSurfaceAt(KelpHit hit, vec3 position, vec3 ray) {
     uint bits = kelpAttribute(hit.brick, hit.voxel.z & 7, hit.code);
     entry = bits & 255u;
     vec3 rest_normal;
+    vec3 ahead = ray;
+    if (KELP_SHADING != 0) ahead = kelpRestDirection(hit, ray);
     if (KELP_SHADING == KELP_SHADING_SMOOTH) {
-      rest_normal = kelpSmoothNormal(hit, kelpRestDirection(hit, ray), material);
+      rest_normal = kelpSmoothNormal(hit, ahead, material);
     } else {
-      rest_normal = KELP_SHADING == KELP_SHADING_FACES ? kelpEntryFace(hit, kelpRestDirection(hit, ray))
-                                                       : kelpDecodeNormal(bits >> 8u);
+      rest_normal =
+          KELP_SHADING == KELP_SHADING_FACES ? kelpEntryFace(hit, ahead) : kelpDecodeNormal(bits >> 8u);
       material = kelpMaterial(int(entry));
     }
     vec3 bent = kelpBentNormal(hit, rest_normal);

@@ -10,6 +10,7 @@
 #include "sweep_record.glsl"
 #include "sweep.glsl"
 #include "cage.glsl"
+#include "cage_walk.glsl"
 #include "cage_tree.glsl"
 #ifdef KELP_DISTANCES
 #include "distance.glsl"

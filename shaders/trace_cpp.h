@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The tracing core (spline.glsl, curve.glsl, trace.glsl, arc.glsl, sweep.glsl, cage.glsl, cage_tree.glsl)
-// compiled as C++ with GLM: CPU queries and tests run the text that the GPU runs. Include it from .cpp files
-// only; it is not installed.
+// The tracing core (spline.glsl, curve.glsl, trace.glsl, arc.glsl, sweep.glsl, cage.glsl, cage_walk.glsl,
+// cage_tree.glsl) compiled as C++ with GLM: CPU queries and tests run the text that the GPU runs. Include it
+// from .cpp files only; it is not installed.
 #pragma once
 
 #include <cstdint>
@@ -98,6 +98,7 @@ struct Context {
 #include "arc.glsl"
 #include "sweep.glsl"
 #include "cage.glsl"
+#include "cage_walk.glsl"
 #include "cage_tree.glsl"
 
 inline KelpSegment segmentOf(const Context& context, int i) { return context.segments[i]; }

@@ -336,11 +336,14 @@ Result<Cage> CageMaker::write(std::span<std::uint32_t> words, std::span<std::uin
       if (beyond(i, 2 * order.axes[2]) == kCageOutside) words[face++] = i << 5 | t << 2 | 3;
     }
     const glm::ivec3 at = placeOf(i);
+    for (int face = 0; face < 6; ++face)
+      if (beyond(i, face) == kCageOutside) cell(i)[0] |= 1u << (24 + face);
     for (std::uint32_t corner = 0; corner < 8; ++corner) {
       const glm::uvec3 point = glm::uvec3(at + cornerOf(corner));
       places[node(i, static_cast<int>(corner))] = point.x | point.y << 10 | point.z << 20;
     }
     if (source_.blocks[cubeIndex(at, cage_.grid)] == 1) continue;
+    cell(i)[0] |= 1u << 30;
     cell(i)[1] = mask;
     if (!writeMask(bits, &words[mask])) return wrongCage("a piece of a cage's cell has no voxel");
     bits += cageMaskBytes(cage_);

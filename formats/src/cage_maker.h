@@ -51,7 +51,7 @@ class CageMaker {
   std::uint32_t& beyond(std::uint32_t i, int face) { return cell(i)[6 + face]; }
   glm::ivec3 placeOf(std::uint32_t cell) const {
     const std::uint32_t place = cells_[std::size_t{kCageCellWords} * cell];
-    return {place & 255, place >> 8 & 255, place >> 16};
+    return {place & 255, place >> 8 & 255, place >> 16 & 255};
   }
   Result<void> checkInsides() const;
   void placeCells();

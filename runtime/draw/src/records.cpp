@@ -43,24 +43,54 @@ float alongView(const glm::dvec4& direction, const RecordHead& head) {
   return glm::dot(slope, middle) + along.w - glm::dot(glm::abs(slope), head.high - middle);
 }
 
+// A linear function of part space: positive beyond the near plane.
+glm::vec4 nearPlane(const Camera& camera, const PlacedParts& placed, std::size_t k) {
+  const float low = camera.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f;
+  glm::vec4 plane;
+  for (int column = 0; column < 4; ++column) {
+    const float z = placed.to_clip[2][column].of[k], w = placed.to_clip[3][column].of[k];
+    plane[column] = camera.reversed_depth ? w - z : z - low * w;
+  }
+  return plane;
+}
+
 // True if the near plane cuts the bounds of the part, or they are behind it or the eye.
 bool meetsNearPlane(const Camera& camera, const PlacedParts& placed, std::size_t k) {
   if (!(placed.nearest.of[k] > 0)) return true;
-  const float low = camera.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f;
-  // Of a linear function over the bounds, positive beyond the plane: its middle, and how much less is least.
-  float middle = 0, reach = 0;
-  for (int column = 0; column < 4; ++column) {
-    const float z = placed.to_clip[2][column].of[k], w = placed.to_clip[3][column].of[k];
-    const float slope = camera.reversed_depth ? w - z : z - low * w;
-    if (column == 3) {
-      middle += slope;
-      break;
-    }
-    const float from = placed.bounds.min[column].of[k], to = placed.bounds.max[column].of[k];
-    middle += 0.5f * (from + to) * slope;
-    reach += 0.5f * (to - from) * std::abs(slope);
+  const glm::vec4 plane = nearPlane(camera, placed, k);
+  float middle = plane.w, reach = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float from = placed.bounds.min[axis].of[k], to = placed.bounds.max[axis].of[k];
+    middle += 0.5f * (from + to) * plane[axis];
+    reach += 0.5f * (to - from) * std::abs(plane[axis]);
   }
   return !(middle > 1.0001f * reach);
+}
+
+// True if a linear function is positive at a node, beyond rounding.
+bool isPositive(const glm::vec4& plane, const glm::vec3& node) {
+  const float size = glm::dot(glm::abs(glm::vec3(plane)), glm::abs(node)) + std::abs(plane.w);
+  return glm::dot(glm::vec3(plane), node) + plane.w > 1e-5f * size;
+}
+
+// True if every ray of a cage begins in one of its faces: no node is behind the eye, and the near plane does
+// not cut the inside, which the nodes around it enclose.
+bool beginsInFaces(const Camera& camera, const PlacedParts& placed, std::size_t k,
+                   const runtime::PosedCage& posed) {
+  glm::vec4 w;
+  for (int column = 0; column < 4; ++column) w[column] = placed.to_clip[3][column].of[k];
+  for (const glm::vec3& node : posed.nodes)
+    if (!isPositive(w, node)) return false;
+  const glm::vec4 near = nearPlane(camera, placed, k);
+  const Cage& cage = *posed.cage;
+  for (std::uint32_t cell = 0; cell < cage.cells(); ++cell)
+    for (int face = 0; face < 6; ++face) {
+      if (cage.beyond(cell, face) != kCageInside) continue;
+      for (int corner = 0; corner < 8; ++corner)
+        if ((corner >> (face / 2) & 1) == face % 2 && !isPositive(near, posed.nodes[cage.node(cell, corner)]))
+          return false;
+    }
+  return true;
 }
 
 }  // namespace
@@ -86,7 +116,12 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
     if (k >= count || !candidate.recorded) continue;
     heads[k] = reinterpret_cast<RecordHead*>(out);
     const auto record = static_cast<std::uint32_t>(out - records_.data());
-    const bool traced = frame.boxes || outlines[k] == 0 || meetsNearPlane(frame.view.camera, placed, k);
+    bool traced = frame.boxes || outlines[k] == 0 || meetsNearPlane(frame.view.camera, placed, k);
+    if (traced && !frame.boxes && candidate.cages > 0) {
+      traced = false;
+      for (int cage = 0; cage < candidate.cages; ++cage)
+        traced = traced || !beginsInFaces(frame.view.camera, placed, k, candidate.posed[cage]);
+    }
     ways[k] = candidate.cages > 0  ? (traced ? Way::kTraced : Way::kCaged)
               : candidate.arcs > 0 ? Way::kSwept
                                    : Way::kSheared;

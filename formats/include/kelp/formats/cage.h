@@ -19,7 +19,8 @@
 //   2            faces
 //   3            binary logarithm of the side | finest level that it serves << 8 | coarsest << 16
 //   4 ..         12 words for each cell, in Morton order of their place, then in the order of pieces:
-//                  0        its place: x | y << 8 | z << 16, in sides
+//                  0        its place: x | y << 8 | z << 16, in sides; bit 24 + i: word 6 + i is
+//                           kCageOutside; bit 30: it has masks
 //                  1        where its masks begin, counted from word 0 of the cage; 0: it is the only piece
 //                  2 .. 5   its nodes; corner i is at x + (i & 1), y + (i >> 1 & 1), z + (i >> 2). Word 2 + i
 //                           has corners 2 i and 2 i + 1: the first | second - first << 22. Nodes are numbered

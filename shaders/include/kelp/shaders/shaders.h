@@ -25,7 +25,8 @@ extern const char* const kTrace;        // trace.glsl: where a ray first meets a
 extern const char* const kArc;          // arc.glsl: a ray in one arc of a swept part
 extern const char* const kSweepRecord;  // sweep_record.glsl: where arcs come from on the GPU
 extern const char* const kSweep;        // sweep.glsl: rays through swept parts
-extern const char* const kCage;         // cage.glsl: walks through caged parts
+extern const char* const kCage;         // cage.glsl: rays through tetrahedra
+extern const char* const kCageWalk;     // cage_walk.glsl: walks through caged parts
 extern const char* const kCageTree;     // cage_tree.glsl: rays through caged parts, and kelpTrace for all
 // and the look.
 extern const char* const kUniforms;  // uniforms.glsl

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+// Walks through caged parts from their boundary, after cage.glsl.
+
+// Where a walk begins anew, the n-th time: beside the point of the start face where it began, by less than is
+// promised. Only what passes an edge of the boundary begins anew: rounding may have taken it out of the cage.
+// a, b, c: corners of the face. side: of the cell.
+KELP_FN vec3 kelpNudged(vec3 o, int n, vec3 a, vec3 b, vec3 c, float side) {
+  float angle = 2.4f * float(n);
+  float far = KELP_CAGE_SLACK / side * (float(n) / float(KELP_CAGE_TRIES));
+  return o + far * (cos(angle) * (b - a) + sin(angle) * (c - a));
+}
+
+// The first solid voxel of a caged part along o + s r, s in [s_min, s_max], of a walk that begins in a
+// boundary face: from tetrahedron to tetrahedron, by the face that is exited first, never back by the one
+// just entered. `face` is its word in the list of boundary faces. o lies on it, and the ray enters there.
+// Inverted tetrahedra are crossed backwards and draw nothing. A walk that may go backwards later goes on
+// behind its first hit, because another may be nearer.
+// The next tetrahedron has three of the corners; one node is fetched. All that is rare is in the outer loop,
+// because SIMD runs it for all. Long: steps share the ray, the place and the faces.
+KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_min, float s_max) {
+  KelpHit hit = kelpNoHit(s_max);
+#ifdef KELP_DISTANCES
+  hit.room = 0.0;
+#endif
+  if (((face >> 2u) & 7u) > 5u) return hit;
+  vec2 fold = kelpFoldRange(KELP_CONTEXT o, r);
+  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  KelpMarch m = kelpNoMarch();
+  KelpTetrahedron g;
+  uint cell = 0u;
+  ivec3 axes = ivec3(0);
+  int entry = 0;
+  vec3 x0 = vec3(0.0f);  // the tetrahedron's corners
+  vec3 xa = vec3(0.0f);
+  vec3 xb = vec3(0.0f);
+  vec3 x7 = vec3(0.0f);
+  vec3 from = o;
+  float s = 0.0f;
+  int turns = 0;  // steps without a way
+  int tries = 0;
+  bool again = true;  // from the start face
+  bool more = true;
+  do {
+    if (again) {
+      cell = face >> 5u;
+      axes = kelpTetrahedronAxes(int((face >> 2u) & 7u));
+      entry = int(face & 3u);
+      uint first = kelpCageCell(cell);
+      x0 = kelpCageCorner(KELP_CONTEXT first, 0u);
+      xa = kelpCageCorner(KELP_CONTEXT first, 1u << uint(axes.x));
+      xb = kelpCageCorner(KELP_CONTEXT first, 7u - (1u << uint(axes.z)));
+      x7 = kelpCageCorner(KELP_CONTEXT first, 7u);
+      from = kelpNudged(o, tries, xa, xb, entry == 0 ? x7 : x0, side);
+      s = 0.0f;
+      turns = 0;
+      ++tries;
+    }
+    again = false;
+    bool going = true;
+    do {
+      ++hit.clips;
+      uint at = kelpCageCell(cell);
+      uint place = KELP_CAGE_WORD(at);
+      g = kelpTetrahedronOf(axes, x0, xa, xb, x7, from, r);
+      float way = g.turned ? -1.0f : 1.0f;
+      // The faces towards which the ray goes, and when it is there. Beyond the boundary there is no way back,
+      // so it lies a little farther out.
+      int high = 2 * axes.x + 1;
+      int low = 2 * axes.z;
+      vec4 towards = -way * g.slope;
+      float slack = g.det * (KELP_CAGE_SLACK / side);
+      float f_0 = g.f.x + (((place >> (24u + uint(high))) & 1u) != 0u ? slack : 0.0f);
+      float f_3 = g.f.w + (((place >> (24u + uint(low))) & 1u) != 0u ? slack : 0.0f);
+      // Those along which it goes, but for rounding, are not crossed.
+      vec4 speed = abs(g.slope);
+      float least = 1e-5f * max(max(speed.x, speed.y), max(speed.z, speed.w));
+      float to_0 = entry != 0 && towards.x > least ? f_0 / towards.x : KELP_NEVER;
+      float to_1 = entry != 1 && towards.y > least ? g.f.y / towards.y : KELP_NEVER;
+      float to_2 = entry != 2 && towards.z > least ? g.f.z / towards.z : KELP_NEVER;
+      float to_3 = entry != 3 && towards.w > least ? f_3 / towards.w : KELP_NEVER;
+      float leave = min(min(to_0, to_1), min(to_2, to_3));
+      int exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
+      if (!(leave < KELP_NEVER)) {
+        // Flat, or rounding: by the face that is nearest to being crossed.
+        to_0 = entry != 0 ? -towards.x : KELP_NEVER;
+        to_1 = entry != 1 ? -towards.y : KELP_NEVER;
+        to_2 = entry != 2 ? -towards.z : KELP_NEVER;
+        to_3 = entry != 3 ? -towards.w : KELP_NEVER;
+        leave = min(min(to_0, to_1), min(to_2, to_3));
+        exit = to_0 == leave ? 0 : (to_1 == leave ? 1 : (to_2 == leave ? 2 : 3));
+        leave = way * s;
+      }
+      float out_s = g.turned ? min(-leave, s) : max(leave, s);
+      uint next = cell;
+      if (exit == 0 || exit == 3) next = kelpCageBeyond(KELP_CONTEXT at, exit == 0 ? high : low);
+
+      float reached = out_s;
+      vec2 range = vec2(max(s, s_min), min(out_s, hit.s));
+      m.unclear = false;
+      if (!g.turned && range.x <= range.y) {
+        bool enters = next == KELP_CAGE_INSIDE && range.y == out_s;
+        m = kelpBeginMarch(KELP_CONTEXT g, place, side, range, enters ? exit : -1, m);
+        if (m.going) m = kelpMarchOn(KELP_CONTEXT m);
+        if (m.found) {
+          hit = kelpMarchHit(KELP_CONTEXT m, g, cell, 0.0f, hit);
+          reached = hit.s;
+        }
+      }
+      going = !m.unclear && (reached < hit.s || (hit.s > fold.x && reached < fold.y));
+      m.looked = false;
+      // Out of the cage, close to another face than the one it leaves by? Or round an edge without end?
+      float out_by = exit == 0 ? (f_0 - g.f.x) / towards.x : (exit == 3 ? (f_3 - g.f.w) / towards.w : 0.0f);
+      vec4 there = g.f + (out_s - way * out_by) * g.slope;
+      int touched = (there.x <= 2.0f * slack ? 1 : 0) + (there.y <= 2.0f * slack ? 1 : 0) +
+                    (there.z <= 2.0f * slack ? 1 : 0) + (there.w <= 2.0f * slack ? 1 : 0);
+      turns = out_s == s ? turns + 1 : 0;
+      bool lost = turns > KELP_CAGE_TURNS || (next >= KELP_CAGE_INSIDE && touched > 1);
+      again = going && !hit.found && lost;
+      going = going && !lost && next < KELP_CAGE_INSIDE;
+      if (going) {
+        s = out_s;
+        cell = next;
+        uint corner = exit == 0 ? 7u : (exit == 1 ? 1u << uint(axes.y) : 7u - (1u << uint(axes.y)));
+        if (exit == 3) corner = 0u;
+        vec3 fresh = kelpCageCorner(KELP_CONTEXT kelpCageCell(cell), corner);
+        vec3 was_0 = x0;
+        vec3 was_a = xa;
+        vec3 was_b = xb;
+        x0 = exit == 0 ? was_a : (exit == 3 ? fresh : was_0);
+        xa = exit == 0 ? was_b : (exit == 3 ? was_0 : (exit == 1 ? fresh : was_a));
+        xb = exit == 0 ? x7 : (exit == 3 ? was_a : (exit == 2 ? fresh : was_b));
+        x7 = exit == 0 ? fresh : (exit == 3 ? was_b : x7);
+        axes = exit == 0   ? ivec3(axes.y, axes.z, axes.x)
+               : exit == 1 ? ivec3(axes.y, axes.x, axes.z)
+               : exit == 2 ? ivec3(axes.x, axes.z, axes.y)
+                           : ivec3(axes.z, axes.x, axes.y);
+        entry = exit == 0 || exit == 3 ? 3 - exit : exit;
+        going = hit.clips < KELP_MAX_TETRAHEDRA;
+      }
+    } while (going);
+    more = m.unclear;
+    if (m.unclear) {
+      m = kelpLookCloser(KELP_CONTEXT m, cell);
+      s = m.start + m.b;
+      --hit.clips;
+      if (m.found) hit = kelpMarchHit(KELP_CONTEXT m, g, cell, 0.0f, hit);
+      more = !m.beyond && (!m.found || (hit.s > fold.x && hit.s < fold.y));
+    }
+    again = again && tries < KELP_CAGE_TRIES;
+    more = (more || again) && hit.clips < KELP_MAX_TETRAHEDRA && m.steps < KELP_MAX_STEPS;
+  } while (more);
+  hit.steps = m.steps;
+  hit.fetches = m.fetches;
+  return hit;
+}
