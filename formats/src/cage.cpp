@@ -15,14 +15,19 @@ Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int leve
   if (!shape) return shape;
   CageMaker maker(source, *shape, memory.words.allocator());
   if (const Result<void> r = maker.count(); !r) return r.error();
-  // Nodes and faces come later; a cell has at most 8 nodes and 12 faces.
-  if (maker.wordsFor(0) * sizeof(std::uint32_t) > max_bytes)
-    return Error{ErrorCode::kLimit, "a cage has more cells than the limits allow"};
+  // Nodes and faces are counted later.
+  const auto fits = [&](std::uint64_t words) {
+    return words * sizeof(std::uint32_t) + maker.transientBytes() <= max_bytes;
+  };
+  constexpr Error kTooLarge{ErrorCode::kLimit, "a cage takes more memory than the limits allow"};
+  if (!fits(maker.wordsFor(0))) return kTooLarge;
   Buffer<std::uint32_t> cells(memory.words.allocator());
   if (!cells.reset(std::uint64_t{kCageCellWords} * maker.cells())) return kNoMemory;
   if (const Result<void> r = maker.connect(cells.span()); !r) return r.error();
+  const std::uint64_t followers = finer ? maker.nodes() : 0;
+  if (!fits(maker.words() + maker.nodes() + followers)) return kTooLarge;
   if (!memory.words.reset(maker.words()) || !memory.places.reset(maker.nodes()) ||
-      !memory.follows.reset(finer ? maker.nodes() : 0))
+      !memory.follows.reset(followers))
     return kNoMemory;
   std::copy(cells.begin(), cells.end(), memory.words.begin() + kCageHeader);
   return maker.write(memory.words.span(), memory.places.span(), memory.follows.span(), finer);

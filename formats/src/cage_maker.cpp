@@ -31,17 +31,9 @@ bool isInGrid(const glm::ivec3& at, const glm::ivec3& grid) {
   return at.x >= 0 && at.y >= 0 && at.z >= 0 && at.x < grid.x && at.y < grid.y && at.z < grid.z;
 }
 
-// Words of the mask of one level.
-std::uint32_t maskWordsOf(const Cage& cage, int level) {
-  const auto side = static_cast<std::uint32_t>(cage.side >> level);
-  return std::max(side * side * side / 32, 1u);
-}
-
-// Words of the masks of one cell, for all levels of a cage.
+// Words of the masks of one cell.
 std::uint32_t maskWordsOf(const Cage& cage) {
-  std::uint32_t words = 0;
-  for (int level = cage.first_level; level <= cage.last_level; ++level) words += maskWordsOf(cage, level);
-  return words;
+  return cageMaskWords(cage.side, cage.first_level, cage.last_level + 1);
 }
 
 }  // namespace
@@ -265,20 +257,18 @@ bool CageMaker::writeMask(const std::uint8_t* bits, std::uint32_t* words) const 
   for (int v = 0; v < finest * finest * finest; ++v) {
     if (!(bits[v >> 3] >> (v & 7) & 1)) continue;
     any = true;
-    std::uint32_t* mask = words;
     for (int level = cage_.first_level; level <= cage_.last_level; ++level) {
       const int side = cage_.side >> level, shift = level - cage_.first_level;
       const int x = v % finest >> shift, y = v / finest % finest >> shift, z = v / finest / finest >> shift;
       const auto bit = static_cast<std::uint32_t>(x + side * (y + side * z));
-      mask[bit >> 5] |= 1u << (bit & 31);
-      mask += maskWordsOf(cage_, level);
+      words[cageMaskWords(cage_.side, cage_.first_level, level) + (bit >> 5)] |= 1u << (bit & 31);
     }
   }
   return any;
 }
 
-// The finer cell that each node moves with: the nearest in the cubes around that hold cells, the first of
-// several; or what the source names, where these hold none or the point has several nodes.
+// The finer cell that each node moves with: the nearest in the cubes of its cells, the first of several; or
+// what the source names, where these hold none or also have cells with another node there.
 Result<void> CageMaker::follow(const Cage& finer, std::span<const std::uint32_t> places,
                                std::span<std::uint32_t> follows) {
   const int ratio = cage_.side / finer.side;
@@ -287,6 +277,13 @@ Result<void> CageMaker::follow(const Cage& finer, std::span<const std::uint32_t>
     return gap.x * gap.x + gap.y * gap.y + gap.z * gap.z;
   };
   std::fill(follows.begin(), follows.end(), kCageOutside);
+  // Of nodes that share a cube with another at their point: kCageInside. Cells of a cube lie together.
+  for (std::uint32_t first = 0, i = 0; i < cell_count_; ++i) {
+    if (cell(i)[0] != cell(first)[0]) first = i;
+    for (int corner = 0; corner < 8; ++corner)
+      if (node(i, corner) != node(first, corner))
+        follows[node(i, corner)] = follows[node(first, corner)] = kCageInside;
+  }
   // Both are in Morton order, so the finer cells of a cube lie together.
   std::uint32_t next = 0;
   const auto cubeOf = [&](std::uint32_t other) { return mortonCode(finer.place(other) / ratio); };
@@ -298,6 +295,7 @@ Result<void> CageMaker::follow(const Cage& finer, std::span<const std::uint32_t>
       for (std::uint32_t corner = 0; corner < 8; ++corner) {
         const glm::ivec3 point = at + cornerOf(corner);
         std::uint32_t& best = follows[node(i, static_cast<int>(corner))];
+        if (best == kCageInside) continue;
         if (best == kCageOutside ||
             std::pair(distance(point, next), next) < std::pair(distance(point, best), best))
           best = next;
@@ -307,9 +305,7 @@ Result<void> CageMaker::follow(const Cage& finer, std::span<const std::uint32_t>
   const Error wrong_count = wrongCage("a coarser cage names too few or too many cells that its nodes follow");
   std::size_t named = 0;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const bool alone =
-        (i == 0 || places[i - 1] != places[i]) && (i + 1 == places.size() || places[i + 1] != places[i]);
-    if (alone && follows[i] != kCageOutside) continue;
+    if (follows[i] < kCageInside) continue;
     if (named == source_.follows.size()) return wrong_count;
     follows[i] = source_.follows[named++];
     if (follows[i] >= finer.cells()) return wrongCage("a node of a cage follows a cell that does not exist");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The CAGE chunk.
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 #include "cage_maker.h"
 #include "metadata.h"
@@ -22,9 +22,12 @@ class ArrayReader {
     at_ += count;
     return {first, count};
   }
-  void words(std::span<std::uint32_t> out) {
-    if (!out.empty()) std::memcpy(out.data(), bytes_.data() + at_, out.size_bytes());
-    at_ += out.size_bytes();
+  // In planes.
+  void numbers(std::span<std::uint32_t> out) {
+    for (std::uint32_t& number : out) number = 0;
+    for (unsigned plane = 0; plane < 4; ++plane)
+      for (std::uint32_t& number : out)
+        number |= std::to_integer<std::uint32_t>(bytes_[at_++]) << (8 * plane);
   }
   bool done() const { return at_ == bytes_.size(); }
 
@@ -38,7 +41,7 @@ struct CagePlan {
   Cage shape;
   CageSource source;
   std::uint32_t nodes = 0, faces = 0, split_points = 0, splits = 0, followed = 0;
-  std::size_t at = 0;  // its record in the chunk
+  std::size_t at = 0;  // its counts in the chunk, their lowest bytes
   std::uint64_t words = 0;
 
   bool isFinest() const { return shape.first_level == 0; }
@@ -82,32 +85,35 @@ Result<void> CageTable::countCages() {
   if (count == 0) return corrupt("there is a cage table, but no part has a cage", 0);
   if ((chunk.size() - layout::kCageTable - parts) / layout::kCageRecord < count)
     return corrupt("the cage table is too short", 0);
-  if (!out.takeRoom(count, sizeof(Cage) + sizeof(CagePlan))) return tooLarge();
+  if (!out.takeRoom(count, sizeof(Cage) + sizeof(CagePlan) + layout::kCageRecord)) return tooLarge();
   if (!out.cages.reset(count) || !plans.reset(count)) return outOfMemory("no memory for the cages");
   return {};
 }
 
 Result<void> CageTable::readRecords() {
-  RecordReader in(chunk, layout::kCageTable + out.parts.size());
+  arrays = ArrayReader(chunk, layout::kCageTable + out.parts.size());
+  Buffer<std::uint32_t> counts(out.allocator);
+  if (!counts.reset(layout::kCageCounts * plans.size())) return outOfMemory("no memory for the cages");
+  arrays.numbers(counts.span());
   std::size_t next = 0;
   for (std::size_t i = 0; i < out.parts.size(); ++i) {
     Part& part = out.parts[i];
     const int cell = cellOf(i), count = cell ? cageCount(cell, part.levels) : 0;
     part.cages = out.cages.span().subspan(next, static_cast<std::size_t>(count));
     for (int number = 0; number < count; ++number) {
-      CagePlan& plan = plans[next++];
-      plan.at = in.at();
+      const std::uint32_t* const its = &counts[layout::kCageCounts * next];
+      CagePlan& plan = plans[next];
+      plan.at = layout::kCageTable + out.parts.size() + layout::kCageCounts * next++;
       const Result<Cage> shape = cageShape(part.size, part.levels, cell, number);
       if (!shape) return inRecord(shape.error(), plan);
       plan.shape = *shape;
-      plan.nodes = in.u32();
-      plan.faces = in.u32();
-      plan.split_points = in.u32();
-      plan.splits = in.u32();
-      plan.followed = in.u32();
+      plan.nodes = its[0];
+      plan.faces = its[1];
+      plan.split_points = its[2];
+      plan.splits = its[3];
+      plan.followed = its[4];
     }
   }
-  arrays = ArrayReader(chunk, in.at());
   return {};
 }
 
@@ -117,6 +123,19 @@ std::span<T> take(std::span<T>& from, std::uint64_t count) {
   const std::span<T> taken = from.first(static_cast<std::size_t>(count));
   from = from.subspan(taken.size());
   return taken;
+}
+
+// Of one cage: from differences.
+void sumPoints(std::span<std::uint32_t> points) {
+  std::uint32_t least = 0;
+  for (std::uint32_t& point : points) {
+    point += least;
+    least = point + 1;
+  }
+}
+void sumCells(std::span<std::uint32_t> cells) {
+  std::uint32_t last = 0;
+  for (std::uint32_t& cell : cells) cell = last += cell & 1 ? ~(cell >> 1) : cell >> 1;
 }
 
 // Finds all arrays, and takes room for the cages.
@@ -150,17 +169,21 @@ Result<void> CageTable::measure() {
   if (!out.cage_words.reset(words) || !numbers.reset(points + followed))
     return outOfMemory("no memory for the cages");
   std::span<std::uint32_t> cells = numbers.span(), split_points = take(cells, points);
-  arrays.words(split_points);
+  arrays.numbers(split_points);
   for (CagePlan& plan : plans) {
     if (!arrays.has(plan.splits)) return too_short;
     plan.source.splits = arrays.bytes(plan.splits);
   }
   if (!arrays.has(cells.size_bytes())) return too_short;
-  arrays.words(cells);
+  arrays.numbers(cells);
   if (!arrays.done()) return too_short;
   for (CagePlan& plan : plans) {
-    plan.source.split_points = take(split_points, plan.split_points);
-    plan.source.follows = take(cells, plan.followed);
+    const std::span<std::uint32_t> points = take(split_points, plan.split_points),
+                                   followed_cells = take(cells, plan.followed);
+    sumPoints(points);
+    sumCells(followed_cells);
+    plan.source.split_points = points;
+    plan.source.follows = followed_cells;
   }
   return {};
 }

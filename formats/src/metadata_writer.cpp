@@ -33,11 +33,43 @@ class RecordWriter {
     if (!values.empty()) std::memcpy(out_.data() + at_, values.data(), values.size() * sizeof(T));
     at_ += values.size() * sizeof(T);
   }
+  // Numbers in planes: visit(put) calls put(number) for each of them.
+  template <class Visit>
+  void planes(std::size_t count, const Visit& visit) {
+    std::size_t next = 0;
+    visit([&](std::uint32_t number) {
+      for (std::size_t plane = 0; plane < 4; ++plane)
+        layout::store(out_.span(), at_ + plane * count + next,
+                      static_cast<std::uint8_t>(number >> (8 * plane)));
+      ++next;
+    });
+    at_ += 4 * count;
+  }
 
  private:
   Buffer<std::byte>& out_;
   std::size_t at_ = 0;
 };
+
+// Puts the five numbers of each cage of a part.
+template <class Put>
+Result<void> countCages(const RawPart& part, const Put& put) {
+  CageMemory even{Allocator()}, odd{Allocator()};
+  Cage cages[2];
+  for (std::size_t i = 0; i < part.cages.size(); ++i) {
+    const RawCage& raw = part.cages[i];
+    const Result<Cage> cage = makeCage(raw.source(), part.size, static_cast<int>(part.levels.size()),
+                                       part.cell, static_cast<int>(i), i > 0 ? &cages[(i - 1) & 1] : nullptr,
+                                       std::numeric_limits<std::uint64_t>::max(), i & 1 ? odd : even);
+    if (!cage) return cage.error().code == ErrorCode::kOutOfMemory ? kNoMemory : misuse(cage.error().detail);
+    cages[i & 1] = *cage;
+    put(cage->nodes());
+    put(cage->faces());
+    for (const std::size_t count : {raw.split_points.size(), raw.splits.size(), raw.follows.size()})
+      put(static_cast<std::uint32_t>(count));
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -232,6 +264,7 @@ bool buildJoints(const RawPack& pack, Buffer<std::byte>& out) {
 }
 
 Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
+  std::size_t cages = 0, points = 0, follows = 0;
   std::uint64_t bytes = layout::kCageTable + pack.parts.size();
   for (const RawPart& part : pack.parts) {
     if (part.cages.empty()) continue;
@@ -240,10 +273,14 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
     if (part.cages.size() !=
         static_cast<std::size_t>(cageCount(part.cell, static_cast<int>(part.levels.size()))))
       return misuse("a part does not have the cages that its levels need");
-    for (const RawCage& cage : part.cages)
-      bytes += layout::kCageRecord + cage.blocks.size() + cage.masks.size() + cage.splits.size() +
-               sizeof(std::uint32_t) * (cage.split_points.size() + cage.follows.size());
+    cages += part.cages.size();
+    for (const RawCage& cage : part.cages) {
+      points += cage.split_points.size();
+      follows += cage.follows.size();
+      bytes += cage.blocks.size() + cage.masks.size() + cage.splits.size();
+    }
   }
+  bytes += layout::kCageRecord * cages + sizeof(std::uint32_t) * (points + follows);
   if (bytes > std::numeric_limits<std::uint32_t>::max()) return misuse("the cages take more than 4 GiB");
   if (!out.reset(bytes)) return kNoMemory;
   RecordWriter to(out);
@@ -251,34 +288,37 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
   for (const RawPart& part : pack.parts)
     to.put(static_cast<std::uint8_t>(
         part.cages.empty() ? 0 : std::countr_zero(static_cast<unsigned>(part.cell))));
-  for (const RawPart& part : pack.parts) {
-    CageMemory even{Allocator()}, odd{Allocator()};
-    CageMemory* const memory[2] = {&even, &odd};
-    Cage cages[2];
-    for (std::size_t i = 0; i < part.cages.size(); ++i) {
-      const Result<Cage> cage =
-          makeCage(part.cages[i].source(), part.size, static_cast<int>(part.levels.size()), part.cell,
-                   static_cast<int>(i), i > 0 ? &cages[(i - 1) & 1] : nullptr,
-                   std::numeric_limits<std::uint64_t>::max(), *memory[i & 1]);
-      if (!cage)
-        return cage.error().code == ErrorCode::kOutOfMemory ? kNoMemory : misuse(cage.error().detail);
-      cages[i & 1] = *cage;
-      to.count(cage->nodes());
-      to.count(cage->faces());
-      to.count(part.cages[i].split_points.size());
-      to.count(part.cages[i].splits.size());
-      to.count(part.cages[i].follows.size());
-    }
-  }
-  const auto putAll = [&](auto array) {
+  Result<void> counted;
+  to.planes(layout::kCageCounts * cages, [&](const auto& put) {
     for (const RawPart& part : pack.parts)
-      for (const RawCage& cage : part.cages) to.array(cage.*array);
+      if (counted) counted = countCages(part, put);
+  });
+  if (!counted) return counted;
+  const auto forEach = [&](const auto& visit) {
+    for (const RawPart& part : pack.parts)
+      for (const RawCage& cage : part.cages) visit(cage);
   };
-  putAll(&RawCage::blocks);
-  putAll(&RawCage::masks);
-  putAll(&RawCage::split_points);
-  putAll(&RawCage::splits);
-  putAll(&RawCage::follows);
+  forEach([&](const RawCage& cage) { to.array(cage.blocks); });
+  forEach([&](const RawCage& cage) { to.array(cage.masks); });
+  to.planes(points, [&](const auto& put) {
+    forEach([&](const RawCage& cage) {
+      std::uint32_t least = 0;
+      for (const std::uint32_t point : cage.split_points) {
+        put(point - least);
+        least = point + 1;
+      }
+    });
+  });
+  forEach([&](const RawCage& cage) { to.array(cage.splits); });
+  to.planes(follows, [&](const auto& put) {
+    forEach([&](const RawCage& cage) {
+      std::uint32_t last = 0;
+      for (const std::uint32_t cell : cage.follows) {
+        put(cell < last ? 2 * (last - cell) - 1 : 2 * (cell - last));
+        last = cell;
+      }
+    });
+  });
   return {};
 }
 

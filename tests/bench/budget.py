@@ -47,7 +47,7 @@ def measure(kelp, path, distances):
     return info.memory, pool.value
 
 
-def main(library, *packs):
+def load(library):
     try:
         kelp = ctypes.CDLL(os.path.abspath(library))
     except OSError as error:
@@ -56,6 +56,11 @@ def main(library, *packs):
         getattr(kelp, call).argtypes = [Asset]
     kelp.kelp_asset_get_info.argtypes = [Asset, ctypes.c_void_p]
     kelp.kelp_pool_bytes.argtypes = [Asset, ctypes.c_uint32, ctypes.c_void_p]
+    return kelp
+
+
+def main(library, *packs):
+    kelp = load(library)
     print("%-24s %12s %12s %12s %12s %12s"
           % ("bytes", "file", "memory", "pool", "memory, dist", "pool, dist"))
     for pack in packs:

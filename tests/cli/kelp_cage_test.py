@@ -6,6 +6,7 @@
 """
 import json
 import os
+import struct
 import subprocess
 import sys
 import unittest
@@ -19,17 +20,21 @@ REAL = [("mesh/common3d/stanford-bunny.obj", 128), ("mesh/common3d/spot.obj", 64
         ("gltf/aquarium/fish.glb", 96), ("gltf/draco_testdata/Fox/Fox.gltf", 96)]
 
 
-def comb(teeth):
-    """A bar with teeth as wide as the gaps between them."""
-    boxes = [(box(2 * teeth - 1, 1, 1), 0)] + [(box(1, 6, 1), 2 * i) for i in range(teeth)]
+def boxes(sizes_and_places):
+    """Boxes at places along x."""
     lines = []
-    for i, (obj, x) in enumerate(boxes):
+    for i, (obj, x) in enumerate(sizes_and_places):
         for word, *rest in map(str.split, obj.splitlines()):
             if word == "v":
                 lines.append("v %g %s %s" % (float(rest[0]) + x, rest[1], rest[2]))
             else:
                 lines.append(" ".join(["f", *(str(int(corner) + 8 * i) for corner in rest)]))
     return "\n".join(lines) + "\n"
+
+
+def comb(teeth):
+    """A bar with teeth as wide as the gaps between them."""
+    return boxes([(box(2 * teeth - 1, 1, 1), 0)] + [(box(1, 6, 1), 2 * i) for i in range(teeth)])
 
 
 class Cages(Case):
@@ -70,13 +75,42 @@ class Cages(Case):
         cage, _ = self.baked(self.write("cube.obj", box(1, 1, 1)), "--resolution", "8", "--bend", "cage")
         self.assertEqual([(one["cells"], one["nodes"], one["faces"]) for one in cage["cages"]], [(1, 8, 12)])
 
-    def test_the_bend_is_said_again_by_the_rig_of_the_pack(self):
-        slab = self.write("slab.obj", box(2, 8, 1))
-        cage, bytes_of = self.baked(slab, "--resolution", "32", "--bend", "cage", "--rig", "sway")
-        self.write("slab.rig.json", self.dump("rig"))
-        again, again_bytes = self.baked(slab, "--resolution", "32")
-        self.assertEqual(again, cage)
-        self.assertEqual(again_bytes["RIGS"], bytes_of["RIGS"])
+    def test_the_rig_of_a_pack_makes_the_same_cage(self):
+        """Chunks are equal byte by byte; INFO apart, which says by which options they were made."""
+        path = self.write("comb.obj", comb(5))
+        for cell in (None, 2, 4, 8, 16):
+            options = ["--cell", str(cell)] if cell else []
+            self.baked(path, "--resolution", "40", "--rig", "sway", "--bend", "cage", *options)
+            before, rig = self.chunks(), self.dump("rig")
+            self.assertEqual(json.loads(rig)["cell"], cell or 8)
+            written = self.write("again.rig.json", rig)
+            for others in ([], ["--bend", "shear"], ["--cell", "2" if cell != 2 else "16"]):
+                self.baked(path, "--resolution", "40", "--rig", written, *others)
+                self.assertEqual(self.chunks(), before)
+                self.assertEqual(self.dump("rig"), rig)
+
+    def chunks(self):
+        """The bytes of the pack's chunks as they are stored, by kind, level and part."""
+        pack = self.read(self.path("out.kelp"))
+        (count,) = struct.unpack_from("<I", pack, 24)
+        chunks = {}
+        for i in range(count):
+            kind, _, a, b, offset, stored = struct.unpack_from("<4sIIIQQ", pack, 64 + 48 * i)
+            chunks[kind, a, b] = pack[offset : offset + stored]
+        del chunks[b"INFO", 0, 0]
+        return chunks
+
+    def test_cages_that_readers_would_refuse_are_refused_early(self):
+        # Plates of 4 voxels: some 900,000 cells of 2.
+        plates = self.write("plates.obj", boxes([(box(1, 60, 60), 2 * i) for i in range(30)]))
+        rig = self.write("two.rig.json", {"kelp": 1, "bend": "cage", "cell": 2})
+        for options, word in ((["--bend", "cage", "--cell", "2"], "--cell %d"),
+                              (["--rig", rig], '"cell": %d')):
+            result = self.bake(plates, "-o", "out.kelp", "--resolution", "240", *options)
+            self.assertEqual(result.returncode, 5)
+            self.assertIn(("cages of " + word % 2).encode(), result.stderr)
+            self.assertIn((word % 4 + " fits").encode(), result.stderr)
+        self.baked(plates, "--resolution", "240", "--bend", "cage", "--cell", "4")
 
     def test_real_files(self):
         if not os.path.isdir(ASSETS):

@@ -77,6 +77,8 @@ OF_THE_WORD = [
     ('{"kelp": 1, "bend": ["sweep"]}', '/bend: must be "sweep", "shear" or "cage", not ["sweep"]'),
     ('{"kelp": 1, "bend": 1}', '/bend: must be "sweep", "shear" or "cage", not 1'),
     ('{"kelp": 1, "bend": "shear", "roll": 30}', "/roll: only a swept part turns about its spline"),
+    ('{"kelp": 1, "bend": "cage", "cell": 5}', "/cell: must be 2, 4, 8 or 16, not 5"),
+    ('{"kelp": 1, "bend": "sweep", "cell": 4}', '/cell: only a cage has cells; write "bend": "cage"'),
     ('{"kelp": 1, "roll": 30}', '/roll: only a swept part turns about its spline; write "bend": "sweep"'),
 ]
 

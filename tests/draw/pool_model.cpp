@@ -60,8 +60,8 @@ std::uint64_t PoolModel::cageWords(std::uint64_t at) const {
   std::uint64_t words = kCageHeader + std::uint64_t{kCageCellWords} * cells + word(at + 2);
   for (std::uint32_t i = 0; i < cells; ++i) {
     if (word(at + kCageHeader + kCageCellWords * i + 1) == 0) continue;
-    for (std::uint32_t level = levels >> 8 & 255; level <= levels >> 16; ++level)
-      words += std::max((1u << 3 * ((levels & 255) - level)) / 32, 1u);
+    words += cageMaskWords(1 << (levels & 255), static_cast<int>(levels >> 8 & 255),
+                           static_cast<int>(levels >> 16) + 1);
   }
   return words;
 }

@@ -199,9 +199,15 @@ void findNodes(const TrueCage* finer, TrueCage& cage) {
       }
       numbers.push_back(static_cast<std::uint8_t>(node[cell]));
     }
-    for (const auto& [follow, held] : follows) {
+    std::set<int> sharing;  // a cube with another node
+    for (const auto& a : corners)
+      for (const auto& b : corners)
+        if (a.second.first == b.second.first && node[a.second] != node[b.second])
+          sharing.insert(node[a.second]);
+    for (int n = 0; n < static_cast<int>(follows.size()); ++n) {
+      const auto [follow, held] = follows[static_cast<std::size_t>(n)];
       cage.follows.push_back(follow);
-      if (nodes > 1 || !held) cage.raw.follows.push_back(follow);
+      if (sharing.count(n) || !held) cage.raw.follows.push_back(follow);
     }
     if (nodes < 2) continue;
     cage.raw.split_points.push_back(static_cast<std::uint32_t>(p));
@@ -291,14 +297,9 @@ std::vector<std::uint32_t> holding(const Cage& cage, const std::vector<std::vect
   const glm::ivec3 at = voxel / side, in = voxel - side * at;
   for (const std::uint32_t c :
        cells_of[static_cast<std::size_t>(at.x + cage.grid.x * (at.y + cage.grid.y * at.z))]) {
-    std::uint32_t mask = cage.cell(c)[1];
-    if (mask == 0) return {c};
-    for (int l = cage.first_level; l < level; ++l) {
-      const int its = cage.side >> l;
-      mask += static_cast<std::uint32_t>(std::max(its * its * its / 32, 1));
-    }
+    if (cage.cell(c)[1] == 0) return {c};
     const auto bit = static_cast<std::uint32_t>(in.x + side * (in.y + side * in.z));
-    if (cage.words[mask + bit / 32] >> bit % 32 & 1) found.push_back(c);
+    if (cage.words[cage.maskAt(c, level) + bit / 32] >> bit % 32 & 1) found.push_back(c);
   }
   return found;
 }

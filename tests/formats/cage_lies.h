@@ -20,11 +20,39 @@ inline std::size_t cageSplitPoints(const Bytes& chunk) {
       at += std::size_t{8} * block;
   return at;
 }
-inline std::size_t cageSplits(const Bytes& chunk) {
-  std::size_t at = cageSplitPoints(chunk);
-  for (std::size_t i = 0; i < 4; ++i)
-    at += std::size_t{4} * get<std::uint32_t>(chunk, kCageRecords + std::size_t{20} * i + 8);
-  return at;
+// The five numbers of the four cages, in planes.
+inline std::uint32_t countOfCage(const Bytes& chunk, std::size_t cage, std::size_t which) {
+  std::uint32_t count = 0;
+  for (std::size_t plane = 0; plane < 4; ++plane)
+    count |= std::uint32_t{get<std::uint8_t>(chunk, kCageRecords + 20 * plane + 5 * cage + which)}
+             << (8 * plane);
+  return count;
+}
+inline void setCountOfCage(Bytes& chunk, std::size_t cage, std::size_t which, std::uint32_t count) {
+  for (std::size_t plane = 0; plane < 4; ++plane)
+    set(chunk, kCageRecords + 20 * plane + 5 * cage + which, static_cast<std::uint8_t>(count >> (8 * plane)));
+}
+inline std::size_t cagePoints(const Bytes& chunk) {
+  std::size_t points = 0;
+  for (std::size_t i = 0; i < 4; ++i) points += countOfCage(chunk, i, 2);
+  return points;
+}
+inline std::size_t cageSplits(const Bytes& chunk) { return cageSplitPoints(chunk) + 4 * cagePoints(chunk); }
+// Followed cells; all are of the comb.
+inline std::size_t cageFollowed(const Bytes& chunk) {
+  return countOfCage(chunk, 1, 4) + countOfCage(chunk, 2, 4);
+}
+// One more, or one less.
+inline void changeFollowed(Bytes& chunk, bool more) {
+  const std::size_t count = cageFollowed(chunk), first = chunk.size() - 4 * count;
+  for (std::size_t plane = 4; plane-- > 0;) {
+    const auto end = chunk.begin() + static_cast<std::ptrdiff_t>(first + (plane + 1) * count);
+    if (more)
+      chunk.insert(end, std::byte{0});
+    else
+      chunk.erase(end - 1);
+  }
+  setCountOfCage(chunk, 1, 4, countOfCage(chunk, 1, 4) + (more ? 1u : ~0u));
 }
 
 inline constexpr Lie kCageLies[] = {
@@ -50,31 +78,31 @@ inline constexpr Lie kCageLies[] = {
     {"one cage more", kCorrupt, [](PackSurgeon& s) { set(s.content("CAGE"), 5, std::uint8_t{1}); }},
     {"no cage", kCorrupt, [](PackSurgeon& s) { set(s.content("CAGE"), 6, std::uint16_t{0}); }},
     {"a node more", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("CAGE"), 8, get<std::uint32_t>(s.content("CAGE"), 8) + 1); }},
+     [](PackSurgeon& s) {
+       setCountOfCage(s.content("CAGE"), 0, 0, countOfCage(s.content("CAGE"), 0, 0) + 1);
+     }},
     {"a face less", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("CAGE"), 12, get<std::uint32_t>(s.content("CAGE"), 12) - 1); }},
+     [](PackSurgeon& s) {
+       setCountOfCage(s.content("CAGE"), 0, 1, countOfCage(s.content("CAGE"), 0, 1) - 1);
+     }},
     {"all counts 2^32 - 1", kCorrupt,
      [](PackSurgeon& s) {
        for (std::size_t at = kCageRecords; at < kCageBlocks; at += 4) set(s.content("CAGE"), at, 0xffffffffu);
      }},
     {"a split point less", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("CAGE"), 16, get<std::uint32_t>(s.content("CAGE"), 16) - 1); }},
+     [](PackSurgeon& s) {
+       setCountOfCage(s.content("CAGE"), 0, 2, countOfCage(s.content("CAGE"), 0, 2) - 1);
+     }},
     {"a split number less", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("CAGE"), 20, get<std::uint32_t>(s.content("CAGE"), 20) - 1); }},
-    {"a followed cell less", kCorrupt,
      [](PackSurgeon& s) {
-       set(s.content("CAGE"), 44, get<std::uint32_t>(s.content("CAGE"), 44) - 1);
-       s.content("CAGE").resize(s.content("CAGE").size() - 4);
+       setCountOfCage(s.content("CAGE"), 0, 3, countOfCage(s.content("CAGE"), 0, 3) - 1);
      }},
-    {"a followed cell more", kCorrupt,
-     [](PackSurgeon& s) {
-       set(s.content("CAGE"), 44, get<std::uint32_t>(s.content("CAGE"), 44) + 1);
-       s.content("CAGE").resize(s.content("CAGE").size() + 4);
-     }},
+    {"a followed cell less", kCorrupt, [](PackSurgeon& s) { changeFollowed(s.content("CAGE"), false); }},
+    {"a followed cell more", kCorrupt, [](PackSurgeon& s) { changeFollowed(s.content("CAGE"), true); }},
     {"the finest follows a cell", kCorrupt,
      [](PackSurgeon& s) {
-       set(s.content("CAGE"), 24, 1u);
-       s.content("CAGE").resize(s.content("CAGE").size() + 4);
+       setCountOfCage(s.content("CAGE"), 0, 4, 1);
+       setCountOfCage(s.content("CAGE"), 1, 4, countOfCage(s.content("CAGE"), 1, 4) - 1);
      }},
     {"inside at the edge", kCorrupt,
      [](PackSurgeon& s) { set(s.content("CAGE"), kBlockBlocks, std::uint8_t{255}); }},
@@ -92,16 +120,18 @@ inline constexpr Lie kCageLies[] = {
      }},
     {"a piece without voxels", kCorrupt,
      [](PackSurgeon& s) { set(s.content("CAGE"), kCageMasks, std::uint64_t{0}); }},
-    {"split points that descend", kCorrupt,
+    {"split points that descend", kCorrupt,  // the second is 2^32 - 1 after the first, and 1
      [](PackSurgeon& s) {
        Bytes& chunk = s.content("CAGE");
-       const std::size_t at = cageSplitPoints(chunk);
-       const auto first = get<std::uint32_t>(chunk, at);
-       set(chunk, at, get<std::uint32_t>(chunk, at + 4));
-       set(chunk, at + 4, first);
+       for (std::size_t plane = 0; plane < 4; ++plane)
+         set(chunk, cageSplitPoints(chunk) + plane * cagePoints(chunk) + 1,
+             static_cast<std::uint8_t>(plane == 0 ? 254 : 255));
      }},
     {"a split point beyond the lattice", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("CAGE"), cageSplitPoints(s.content("CAGE")), 0xffffffffu); }},
+     [](PackSurgeon& s) {
+       Bytes& chunk = s.content("CAGE");
+       set(chunk, cageSplitPoints(chunk) + 3 * cagePoints(chunk), std::uint8_t{255});
+     }},
     {"split numbers from 1", kCorrupt,
      [](PackSurgeon& s) { set(s.content("CAGE"), cageSplits(s.content("CAGE")), std::uint8_t{1}); }},
     {"a split number is left out", kCorrupt,
@@ -109,11 +139,16 @@ inline constexpr Lie kCageLies[] = {
     {"split points of one node", kCorrupt,
      [](PackSurgeon& s) {
        Bytes& chunk = s.content("CAGE");
-       for (std::size_t i = 0; i < get<std::uint32_t>(chunk, kCageRecords + 12); ++i)
+       for (std::size_t i = 0; i < countOfCage(chunk, 0, 3); ++i)
          set(chunk, cageSplits(chunk) + i, std::uint8_t{0});
      }},
     {"follows no cell", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("CAGE"), s.content("CAGE").size() - 4, 0xffffffffu); }},
+     [](PackSurgeon& s) { set(s.content("CAGE"), s.content("CAGE").size() - 1, std::uint8_t{127}); }},
+    {"follows a cell before the first", kCorrupt,
+     [](PackSurgeon& s) {
+       Bytes& chunk = s.content("CAGE");
+       set(chunk, chunk.size() - 4 * cageFollowed(chunk), std::uint8_t{1});
+     }},
 };
 
 }  // namespace kelp::test

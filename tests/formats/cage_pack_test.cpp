@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "cage_lies.h"
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "pack_surgeon.h"
@@ -105,9 +106,9 @@ TEST(CagePack, MemoryIsBounded) {
 // Counts that claim gigabytes, or as much as the limits allow, cost no memory.
 TEST(CagePack, ClaimsAreNotBelieved) {
   for (const std::uint32_t number : {0xffffffffu, 10000000u}) {
-    for (const std::size_t at : {8u, 12u, 16u, 20u, 24u, 28u, 44u, 68u, 80u}) {
+    for (std::size_t at = 0; at < 20; ++at) {
       test::PackSurgeon lying(test::writeToMemory(test::makeTinyCagePack()));
-      test::set(lying.content("CAGE"), at, number);
+      test::setCountOfCage(lying.content("CAGE"), at / 5, at % 5, number);
       const test::Bytes bytes = lying.build();
       MemorySource source(bytes);
       test::ShortMemory memory;

@@ -263,9 +263,18 @@ TEST(Cage, AFaceOfThreeCellsIsBoundary) {
 TEST(Cage, LimitsAreKept) {
   const NaiveCage naive({10, 10, 10}, 2, 0, test::isBlock);
   MadeCage made;
-  const Result<Cage> cage = makeCage(naive.raw.source(), {10, 10, 10}, 1, 2, 0, nullptr, 1000, made.memory);
-  ASSERT_FALSE(cage);
-  EXPECT_EQ(cage.error().code, ErrorCode::kLimit);
+  const auto makeIn = [&](std::uint64_t bytes) {
+    return makeCage(naive.raw.source(), {10, 10, 10}, 1, 2, 0, nullptr, bytes, made.memory);
+  };
+  const Result<Cage> any = makeIn(kAnyMemory);
+  ASSERT_TRUE(any);
+  const std::uint64_t needed = any->bytes() + std::uint64_t{72} * any->cells();
+  EXPECT_TRUE(makeIn(needed));
+  for (const std::uint64_t bytes : {needed - 1, std::uint64_t{1000}, std::uint64_t{0}}) {
+    const Result<Cage> cage = makeIn(bytes);
+    ASSERT_FALSE(cage);
+    EXPECT_EQ(cage.error().code, ErrorCode::kLimit);
+  }
   const Result<Cage> large =
       makeCage(naive.raw.source(), {514, 10, 10}, 1, 2, 0, nullptr, kAnyMemory, made.memory);
   ASSERT_FALSE(large);

@@ -138,20 +138,29 @@ class Cage:
             cube = tuple(p // ratio for p in place)
             if cube in holds:
                 holds[cube].append((number, place))
-        here = collections.Counter(map(tuple, self.places))
+        nodes_at = collections.defaultdict(set)  # of each corner of each cube
+        for (cube, _), nodes in zip(self.cells, self.corner_nodes):
+            for corner, node in enumerate(nodes):
+                nodes_at[tuple(cube), corner].add(node)
+        cubes = [set() for _ in self.places]
+        shared = [False] * len(self.places)
+        for (cube, _), nodes in nodes_at.items():
+            for node in nodes:
+                cubes[node].add(cube)
+                shared[node] = shared[node] or len(nodes) > 1
         named, self.follows = list(named), []
-        for place in self.places:
+        for node, place in enumerate(self.places):
             point = [p // self.side for p in place]
             near = []
-            for step in itertools.product((0, 1), repeat=3):
-                for number, low in holds.get(tuple(p - s for p, s in zip(point, step)), ()):
-                    off = [max(l - ratio * p, ratio * p - l - 1, 0) for p, l in zip(point, low)]
-                    near.append((sum(d * d for d in off), number))
-            if here[tuple(place)] == 1 and near:
+            for number, low in itertools.chain.from_iterable(holds[cube] for cube in cubes[node]):
+                off = [max(l - ratio * p, ratio * p - l - 1, 0) for p, l in zip(point, low)]
+                near.append((sum(d * d for d in off), number))
+            if near and not shared[node]:
                 self.follows.append(min(near)[1])
             else:
                 must(named, "too few followed cells")
                 self.follows.append(named.pop(0))
+                must(self.follows[-1] >= 0, "a followed cell")
         must(not named, "too many followed cells")
         must(max(self.follows) < len(finer.cells), "a followed cell")
 

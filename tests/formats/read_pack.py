@@ -14,6 +14,7 @@ Needs the zstd library (libzstd.so.1). Exit codes: 0 good, 1 usage, 3 refused, 7
 import ctypes
 import ctypes.util
 import functools
+import itertools
 import math
 import struct
 import sys
@@ -63,6 +64,11 @@ class Table:
 
     def one(self, form):
         return self.take(form)[0]
+
+    def planes(self, count):
+        """Numbers of four bytes: all lowest bytes first."""
+        planes = [self.take("%dB" % count) for _ in range(4)]
+        return [a | b << 8 | c << 16 | d << 24 for a, b, c, d in zip(*planes)]
 
     def name(self, size):
         need(size <= 255, "a name is too long")
@@ -345,17 +351,22 @@ class Pack:
             for side, first, last in served(1 << log, part["levels"] if log else 0):
                 part["cages"].append(Cage(side, first, last, part["size"]))
             cages += part["cages"]
-        counts = [table.take("IIIII") for _ in cages]
+        numbers = table.planes(5 * len(cages))
+        counts = [tuple(numbers[5 * i : 5 * i + 5]) for i in range(len(cages))]
         for cage in cages:
             cage.take_blocks(table.take("%dB" % cage.cubes))
         for cage in cages:
             cage.take_masks(bytes(table.take("%dB" % cage.mask_bytes())))
-        points = [table.take("%dI" % count[2]) for count in counts]
+        steps = iter(table.planes(sum(count[2] for count in counts)))
+        points = [[p - 1 for p in itertools.accumulate(next(steps) + 1 for _ in range(count[2]))]
+                for count in counts]
         for cage, point, count in zip(cages, points, counts):
             cage.take_splits(point, table.take("%dB" % count[3]))
             cage.join()
             need((len(cage.places), len(cage.faces)) == count[:2], "number of nodes or faces")
-        named = [table.take("%dI" % count[4]) for count in counts]
+        steps = iter(table.planes(sum(count[4] for count in counts)))
+        back = lambda step: -(step + 1) // 2 if step % 2 else step // 2
+        named = [list(itertools.accumulate(back(next(steps)) for _ in range(count[4]))) for count in counts]
         table.end()
         for part in self.parts:
             for finer, cage in zip([None] + part["cages"], part["cages"]):

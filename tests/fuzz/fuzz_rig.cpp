@@ -13,7 +13,7 @@ using namespace kelp;
 
 void use(const RigDescription& rig, const glm::ivec3& voxels) {
   if (!(parseRig(printRig(rig)) == rig)) std::abort();
-  const RawRig rest = realizeRig(rig);
+  const RestRig rest = realizeRig(rig);
   const std::vector<RawSocket> sockets = realizeSockets(rig, 0);
   const RigDescription back = describeRig(rest, {}, 0, rig.axis.value_or(Axis::kPlusY), sockets);
   if (back.parent_at != rig.parent_at || back.sockets.size() != rig.sockets.size()) std::abort();

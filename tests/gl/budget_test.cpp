@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "streamed.h"
+#include "support/cage_pack.h"
 #include "support/fake_gl.h"
 
 namespace kelp::test {
@@ -130,6 +131,64 @@ TEST_P(BudgetTest, AQuarterOfTheScenesBytesDrawsAllTheTime) {
     }
   }
   EXPECT_GT(moved, budget);
+}
+
+// A cage lies beside the coarsest level that it serves. Where other models take the room, it goes, and it
+// comes again.
+TEST_P(BudgetTest, CagesComeAndGoWithTheirLevels) {
+  const Canvas canvas({64, 48});
+  const gl::View view = lookAt(canvas, {0.7f, 0.6f, 0.9f}, {0, 0.5f, 0});
+  std::vector<std::unique_ptr<LoadedAsset>> models;
+  std::vector<runtime::Pose> poses;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    models.push_back(std::make_unique<LoadedAsset>(cagedPackOf(reed(192, seed), 2)));
+    poses.push_back(*runtime::Pose::create(*models.back()->asset));
+    sway(poses.back(), 0, 1.3f, 0.15f);
+  }
+  const auto rendererOf = [&](std::uint64_t budget) {
+    gl::RendererOptions config;
+    config.gpu_budget = budget;
+    auto renderer = createRenderer(config);
+    for (const auto& model : models) EXPECT_TRUE(renderer->add(*model->asset));
+    return renderer;
+  };
+  struct Visit {
+    std::uint64_t uploaded = 0, held = 0;
+    std::vector<Pixel> picture;
+  };
+  // Draws a model until nothing is pending.
+  const auto visit = [&](gl::Renderer& renderer, std::size_t model) {
+    Visit made;
+    for (int frame = 0; frame < 200; ++frame) {
+      const auto sent = renderer.upload(1 << 20);
+      EXPECT_TRUE(sent) << sent.error().detail;
+      made.uploaded += sent->bytes_uploaded;
+      made.held = sent->gpu_bytes;
+      canvas.clear();
+      const auto drawn = renderer.draw(view, Instance{models[model]->asset.get(), &poses[model]});
+      EXPECT_TRUE(drawn) << drawn.error().detail;
+      made.picture = canvas.pixels();
+      if (frame > 20 && sent->pending == 0 && sent->bytes_uploaded == 0) return made;
+    }
+    ADD_FAILURE() << "something stays pending";
+    return made;
+  };
+  const auto whole = rendererOf(kGpuBudget);
+  std::vector<Visit> free;
+  for (std::size_t model = 0; model < models.size(); ++model) free.push_back(visit(*whole, model));
+  EXPECT_TRUE(free[0].picture != free[1].picture);
+  const std::uint64_t one = free[2].held / 3, budget = one / 4 * 7;
+  const auto renderer = rendererOf(budget);
+  std::uint64_t uploaded = 0;
+  for (const std::size_t model : {0u, 1u, 2u, 0u}) {
+    const Visit made = visit(*renderer, model);
+    EXPECT_LE(made.held, budget);
+    EXPECT_TRUE(made.picture == free[model].picture) << "model " << model;
+    uploaded = made.uploaded;
+  }
+  // So much that the finest cage was among it.
+  const std::uint64_t cage = models[0]->asset->pack().parts()[0].cages[0].words.size_bytes();
+  EXPECT_GT(uploaded + cage, one);
 }
 
 KELP_GL_TESTS(BudgetTest);

@@ -32,16 +32,6 @@ gl::RendererOptions withDistances() {
   return config;
 }
 
-template <class Inside>
-fields::Occupancy volumeOf(const glm::ivec3& size, Inside&& inside) {
-  fields::Occupancy volume{
-      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
-                                      static_cast<std::size_t>(size.z))};
-  for (int z = 0; z < size.z; ++z)
-    for (int y = 0; y < size.y; ++y)
-      for (int x = 0; x < size.x; ++x) volume.solid[volume.index({x, y, z})] = inside(glm::ivec3(x, y, z));
-  return volume;
-}
 // All surfaces face up.
 RawPart facingUp(const fields::Occupancy& volume, const std::string& name) {
   RawPart part = partOf(volume, figureKnots(kFigure6[0]), name);
@@ -139,8 +129,8 @@ TEST_P(DistanceShadingTest, PenumbraeErrNoMoreThanThoseOfEightRays) {
 // As SelfShadowTest.AWallHidesItsFormFactorOfTheSky; a wall 32 voxels wide on a floor, seen from above.
 constexpr int kWall = 32;
 fields::Occupancy floorAndWall(bool wall) {
-  return volumeOf({96, 32, 160},
-                  [=](const glm::ivec3& v) { return v.y < 4 || (wall && v.x < kWall && v.y < 28); });
+  return voxelsWhere({96, 32, 160},
+                     [=](const glm::ivec3& v) { return v.y < 4 || (wall && v.x < kWall && v.y < 28); });
 }
 
 TEST_P(DistanceShadingTest, PartsOfAnInstanceShadeEachOther) {
@@ -148,7 +138,8 @@ TEST_P(DistanceShadingTest, PartsOfAnInstanceShadeEachOther) {
   one.parts = {facingUp(floorAndWall(true), "both")};
   two.parts = {
       facingUp(floorAndWall(false), "floor"),
-      facingUp(volumeOf({kWall, 32, 160}, [](const glm::ivec3& v) { return v.y >= 4 && v.y < 28; }), "wall")};
+      facingUp(voxelsWhere({kWall, 32, 160}, [](const glm::ivec3& v) { return v.y >= 4 && v.y < 28; }),
+               "wall")};
   two.parts[1].to_object[3].x -= 1;  // 32 voxels
   const LoadedAsset together(one, loadDistances()), apart(two, loadDistances());
   const Canvas canvas({96, 64});

@@ -218,7 +218,7 @@ TEST_F(Round, APartThatIsSweptAndRolled) {
       points.emplace_back(part.to_object * glm::vec4(share * glm::vec3(part.size), 1));
     }
     const std::vector<glm::vec3> shown = swept(part, editor.realized().parts[0], points),
-                                 there = swept(baked, rawRig(baked), points);
+                                 there = swept(baked, restRig(baked), points);
     for (std::size_t i = 0; i < points.size(); ++i)
       EXPECT_LT(glm::distance(shown[i], there[i]), 2e-3f) << "corner " << i;
   }

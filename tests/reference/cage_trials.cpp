@@ -157,21 +157,9 @@ class CageRayMaker {
 
 void judgeInto(CageTally& tally, const Truth& truth, const trace::KelpHit& hit, double s,
                const std::string& what) {
-  const std::optional<double> found = hit.found ? std::optional<double>(s) : std::nullopt;
-  const Verdict verdict = judge(truth, found);
-  ++tally.rays;
-  tally.hits += hit.found;
-  tally.owed += truth.owed.has_value();
-  tally.grazing += truth.grazing();
-  tally.missed += verdict == Verdict::kMissed;
-  tally.invented += verdict == Verdict::kFalse;
-  tally.depth_off += found && truth.owed && (s < *truth.possible - 0.5 || s > *truth.owed + 0.5);
-  tally.steps += static_cast<std::uint64_t>(hit.steps);
-  tally.steps_max = std::max(tally.steps_max, hit.steps);
-  tally.outside += static_cast<std::uint64_t>(hit.outside);
   tally.tetrahedra += static_cast<std::uint64_t>(hit.clips);
   tally.most_tetrahedra = std::max(tally.most_tetrahedra, hit.clips);
-  if (verdict == Verdict::kRight || !tally.first_failure.empty()) return;
+  if (!tally.count(truth, hit, s)) return;
   char text[160];
   std::snprintf(text, sizeof text, ": %s %.4f cell %d.%d; owed %.4f, possible %.4f",
                 hit.found ? "hit" : "no hit", s, hit.segment >> 3, hit.segment & 7, truth.owed.value_or(-1),

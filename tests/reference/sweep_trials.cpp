@@ -199,21 +199,10 @@ SweepTally runSweepTrial(const TrialVolume& volume, const SweepRig& rig, int ray
     const glm::vec3 o(ray.o), r(ray.r);
     const tiled::KelpHit hit = tiled::kelpTraceSwept(context, o, r, 0.0f, s_max);
     const Truth truth = truthOf(truth_volume, chain, dvec3(o), dvec3(r), double{s_max});
-    const std::optional<double> s = hit.found ? std::optional<double>(double{hit.s}) : std::nullopt;
-    const Verdict verdict = judge(truth, s);
-    ++tally.rays;
-    tally.hits += hit.found;
-    tally.owed += truth.owed.has_value();
-    tally.grazing += truth.grazing();
-    tally.missed += verdict == Verdict::kMissed;
-    tally.invented += verdict == Verdict::kFalse;
-    tally.depth_off += s && truth.owed && (*s < *truth.possible - 0.5 || *s > *truth.owed + 0.5);
-    tally.steps += static_cast<std::uint64_t>(hit.steps);
-    tally.outside += static_cast<std::uint64_t>(hit.outside);
     tally.clips += static_cast<std::uint64_t>(hit.clips);
     tally.arcs += static_cast<std::uint64_t>(chain.count);
     tally.steps_max = std::max(tally.steps_max, hit.steps + hit.outside);
-    if (verdict != Verdict::kRight && tally.first_failure.empty()) {
+    if (tally.count(truth, hit, double{hit.s})) {
       char text[400];
       std::snprintf(text, sizeof text,
                     "%s, %s, kind %d: o (%a %a %a) r (%a %a %a): %s %.4f arc %d; owed %.4f, possible %.4f",

@@ -242,19 +242,7 @@ TrialTally runTrial(const TrialVolume& volume, const TrialRig& rig, int rays, un
     const Ray ray = make.make(kind);
     const tiled::KelpHit hit = tiled::kelpTraceSheared(context, ray.o, ray.r, 0.0f, s_max);
     const Truth truth = truthOf(truth_volume, rig.knots, dvec3(ray.o), dvec3(ray.r), double{s_max});
-    const std::optional<double> s = hit.found ? std::optional<double>(double{hit.s}) : std::nullopt;
-    const Verdict verdict = judge(truth, s);
-    ++tally.rays;
-    tally.hits += hit.found;
-    tally.owed += truth.owed.has_value();
-    tally.grazing += truth.grazing();
-    tally.missed += verdict == Verdict::kMissed;
-    tally.invented += verdict == Verdict::kFalse;
-    tally.depth_off += s && truth.owed && (*s < *truth.possible - 0.5 || *s > *truth.owed + 0.5);
-    tally.steps += static_cast<std::uint64_t>(hit.steps);
-    tally.outside += static_cast<std::uint64_t>(hit.outside);
-    tally.steps_max = std::max(tally.steps_max, hit.steps);
-    if (verdict != Verdict::kRight && tally.first_failure.empty())
+    if (tally.count(truth, hit, double{hit.s}))
       tally.first_failure = describe(volume, rig, kind, ray, hit, truth);
   }
   return tally;

@@ -104,6 +104,8 @@ TEST(ParseRig, ARigSaysHowItsPartBends) {
   const RigDescription caged = parseRig(R"({"kelp": 1, "bend": "cage", "roll": 180})");
   EXPECT_EQ(caged.bend, Bend::kSweep);
   EXPECT_TRUE(caged.caged && !rig.caged);
+  EXPECT_EQ(caged.cell, 0);
+  EXPECT_EQ(parseRig(R"({"kelp": 1, "cell": 4, "bend": "cage"})").cell, 4);
 }
 
 TEST(ParseRig, ARigHas1024SocketsAtMost) {
@@ -144,7 +146,7 @@ TEST(ParseRig, EveryErrorNamesThePlaceAndTheRemedy) {
       {R"({"kelp": 1, "a/b~c": 1})",
        {"/a~1b~0c",
         "known are 'kelp', 'axis', 'knots', 'clips', 'sockets', 'parent_at', 'bend', "
-        "'roll'"}},
+        "'cell', 'roll'"}},
       {R"({"kelp": 1, "axis": "up"})", {"/axis", "\"up\"", "\"+x\""}},
       {R"({"kelp": 1, "axis": 1})", {"/axis", "not 1"}},
       {R"({"kelp": 1, "knots": {}})", {"/knots", "must be an array"}},
@@ -190,6 +192,10 @@ TEST(ParseRig, EveryErrorNamesThePlaceAndTheRemedy) {
       {R"({"kelp": 1, "bend": "sweep", "roll": 181})", {"/roll", "181"}},
       {R"({"kelp": 1, "bend": "sweep", "roll": "90"})", {"/roll", "must be a number"}},
       {R"({"kelp": 1, "bend": "shear", "roll": 90})", {"/roll", "only a swept part", "take \"roll\" out"}},
+      {R"({"kelp": 1, "bend": "cage", "cell": 3})", {"/cell", "2, 4, 8 or 16, not 3"}},
+      {R"({"kelp": 1, "bend": "cage", "cell": "8"})", {"/cell", "must be a number"}},
+      {R"({"kelp": 1, "bend": "sweep", "cell": 8})", {"/cell", "only a cage", "take \"cell\" out"}},
+      {R"({"kelp": 1, "cell": 8})", {"/cell", "write \"bend\": \"cage\""}},
       {R"({"kelp": 1, "roll": 0})", {"/roll", "write \"bend\": \"sweep\""}},
       {R"({"kelp": 1, "parents_at": 1})", {"/parents_at", "did you mean 'parent_at'?"}},
       {R"({"kelp": 1, "clips": []})", {"/clips", "maps names to clips"}},
@@ -340,6 +346,7 @@ RigDescription randomRig(std::mt19937& random) {
   if (below(2)) rig.parent_at = below(3) ? uniform(0, 1) : 0.0f;
   if (below(3)) rig.bend = below(2) ? Bend::kSweep : Bend::kShear;
   rig.caged = rig.bend == Bend::kSweep && below(2);
+  if (rig.caged) rig.cell = below(2) ? 2 << below(4) : 0;
   if (rig.bend == Bend::kSweep) rig.roll = below(4) ? uniform(-3.14159265f, 3.14159265f) : 3.14159274f;
   return rig;
 }

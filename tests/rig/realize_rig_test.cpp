@@ -183,7 +183,8 @@ TEST(DescribeRig, IsTheInverseOfRealize) {
   const auto knots = realizeKnots(rig);
   auto clips = realizeClips(rig, 3);
   clips.push_back({"of another part", 1, {Wave{}}, {}});
-  const RigDescription described = parseRig(printRig(describeRig({knots, automaticTangents(rig)}, clips, 3)));
+  const RigDescription described =
+      parseRig(printRig(describeRig({{knots, automaticTangents(rig)}}, clips, 3)));
   EXPECT_EQ(described.axis, Axis::kPlusY);
   EXPECT_FALSE(described.knots[0].tangent || described.knots[1].tangent) << "automatic";
   EXPECT_TRUE(described.knots[2].tangent);
@@ -216,7 +217,7 @@ TEST(DescribeRig, SpeaksOfEveryAxis) {
   for (const Axis axis :
        {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
     const RigDescription described =
-        parseRig(printRig(describeRig({knots, automaticTangents(rig)}, clips, 0, axis)));
+        parseRig(printRig(describeRig({{knots, automaticTangents(rig)}}, clips, 0, axis)));
     EXPECT_EQ(described.axis, axis);
     const auto again = realizeKnots(described);
     for (std::size_t i = 0; i < knots.size(); ++i)
@@ -237,7 +238,7 @@ TEST(DescribeRig, NamesThatAPackMayRepeatBecomeKeys) {
   std::vector<RawClip> clips;
   for (const char* name : {"", "swim", "swim", ""})
     clips.push_back({name, 1, {Wave{0, 1, Target::kKnotOffset, {1, 0, 0}, 1, 0}}, {}});
-  const auto rig = parseRig(printRig(describeRig({realizeKnots({}), 0}, clips, 0)));
+  const auto rig = parseRig(printRig(describeRig({{realizeKnots({}), 0}}, clips, 0)));
   std::vector<std::string> names;
   for (const auto& clip : rig.clips) names.push_back(clip.name);
   EXPECT_EQ(names, (std::vector<std::string>{"clip", "swim", "swim 2", "clip 2"}));
@@ -307,12 +308,16 @@ TEST(RealizeSockets, ThePlaceAndTheTurnAreTheArtists) {
     rig.parent_at = 0.5f;
     rig.bend = Bend::kSweep;
     rig.roll = 0.7f;
+    rig.caged = true;
+    rig.cell = 4;
     const RigDescription back = parseRig(printRig(describeRig(realizeRig(rig), {}, 3, axis, sockets)));
     EXPECT_EQ(back.bend, Bend::kSweep);
     EXPECT_EQ(back.roll, 0.7f);
+    EXPECT_TRUE(back.caged);
+    EXPECT_EQ(back.cell, 4);
     EXPECT_EQ(back.sockets, rig.sockets);
     EXPECT_EQ(back.parent_at, 0.5f);
-    EXPECT_TRUE(describeRig({realizeKnots(rig), 0}, {}, 2, axis, sockets).sockets.empty())
+    EXPECT_TRUE(describeRig({{realizeKnots(rig), 0}}, {}, 2, axis, sockets).sockets.empty())
         << "another part's";
 
     rig.sockets[0].offset[along] = 0.01f;
@@ -342,7 +347,7 @@ TEST(RealizeSockets, RotationsAreUnit) {
 TEST(DescribeRig, SocketsThatShareANameGetTheirOwn) {
   std::vector<RawSocket> sockets;
   for (const char* name : {"hand", "hand", "hand 2"}) sockets.push_back({name, 0, 0.5f, {}, {1, 0, 0, 0}});
-  const auto rig = parseRig(printRig(describeRig({realizeKnots({}), 0}, {}, 0, Axis::kPlusY, sockets)));
+  const auto rig = parseRig(printRig(describeRig({{realizeKnots({}), 0}}, {}, 0, Axis::kPlusY, sockets)));
   ASSERT_EQ(rig.sockets.size(), 3u);
   EXPECT_EQ(rig.sockets[1].name, "hand 2");
   EXPECT_EQ(rig.sockets[2].name, "hand 2 2");

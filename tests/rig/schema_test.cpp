@@ -53,6 +53,8 @@ TEST(RigSchema, AgreesWithTheParser) {
   const char* const kTakenByBoth[] = {
       R"({"kelp": 1, "parts": {"a": {}, "b c": {"kelp": 1, "bend": "sweep", "roll": 1}}})",
       R"({"kelp": 1, "parts": {"a": {}}, "skin": {"parts": [{"joints": ["a"]}]}})",
+      R"({"kelp": 1, "bend": "cage", "cell": 16})",
+      R"({"kelp": 1, "parts": {"a": {"bend": "cage", "cell": 2, "roll": 9}}})",
   };
   for (const char* text : kTakenByBoth) {
     EXPECT_TRUE(parses(text)) << text;
@@ -77,6 +79,11 @@ TEST(RigSchema, AgreesWithTheParser) {
       R"({"kelp": 1, "bend": "sweep", "roll": 181})",
       R"({"kelp": 1, "bend": "shear", "roll": 1})",
       R"({"kelp": 1, "roll": 1})",
+      R"({"kelp": 1, "cell": 8})",
+      R"({"kelp": 1, "bend": "sweep", "cell": 8})",
+      R"({"kelp": 1, "bend": "cage", "cell": 1})",
+      R"({"kelp": 1, "parts": {"a": {"bend": "shear", "cell": 8}}})",
+      R"({"kelp": 1, "parts": {"a": {}}, "bend": "cage", "cell": 8})",
       R"({"kelp": 1, "skin": {}})",
       R"({"kelp": 1, "skin": {"parts": []}})",
       R"({"kelp": 1, "skin": {"parts": [{"joints": []}]}})",

@@ -58,11 +58,7 @@ class BruteCage {
   std::vector<glm::ivec3> voxelsOf(std::uint32_t cell) const {
     std::vector<glm::ivec3> voxels;
     const int side = cage_.side >> level_;
-    std::uint32_t mask = cage_.cell(cell)[1];
-    for (int l = cage_.first_level; mask != 0 && l < level_; ++l) {
-      const auto finer = static_cast<std::uint32_t>(cage_.side >> l);
-      mask += std::max(finer * finer * finer / 32, 1u);
-    }
+    const std::uint32_t mask = cage_.cell(cell)[1] == 0 ? 0 : cage_.maskAt(cell, level_);
     for (int i = 0; i < side * side * side; ++i) {
       const glm::ivec3 voxel =
           side * cage_.place(cell) + glm::ivec3(i % side, i / side % side, i / side / side);

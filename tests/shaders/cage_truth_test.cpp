@@ -18,27 +18,16 @@ using reference::CagePose;
 using reference::CageTallies;
 using reference::CageTally;
 
-template <class Solid>
-fields::Occupancy solidWhere(const glm::ivec3& size, Solid&& solid) {
-  fields::Occupancy volume{
-      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
-                                      static_cast<std::size_t>(size.z))};
-  for (int z = 0; z < size.z; ++z)
-    for (int y = 0; y < size.y; ++y)
-      for (int x = 0; x < size.x; ++x) volume.solid[volume.index({x, y, z})] = solid(glm::ivec3(x, y, z));
-  return volume;
-}
-
 // Teeth closer than any cell is wide, on a bar.
 fields::Occupancy comb(const glm::ivec3& size) {
-  return solidWhere(size, [&](const glm::ivec3& v) { return v.y < 9 || v.x % 5 < 2; });
+  return test::voxelsWhere(size, [&](const glm::ivec3& v) { return v.y < 9 || v.x % 5 < 2; });
 }
 fields::Occupancy slab(const glm::ivec3& size) {
-  return solidWhere(size, [](const glm::ivec3&) { return true; });
+  return test::voxelsWhere(size, [](const glm::ivec3&) { return true; });
 }
 fields::Occupancy torus(const glm::ivec3& size) {
   const glm::vec3 center = 0.5f * glm::vec3(size);
-  return solidWhere(size, [&](const glm::ivec3& v) {
+  return test::voxelsWhere(size, [&](const glm::ivec3& v) {
     const glm::vec3 p = glm::vec3(v) + 0.5f - center;
     return std::hypot(std::hypot(p.x, p.y) - 0.33f * static_cast<float>(size.x), p.z) <
            0.16f * static_cast<float>(size.x);
@@ -46,7 +35,7 @@ fields::Occupancy torus(const glm::ivec3& size) {
 }
 // Two legs, a voxel apart, and a body.
 fields::Occupancy legs(const glm::ivec3& size) {
-  return solidWhere(size, [&](const glm::ivec3& v) {
+  return test::voxelsWhere(size, [&](const glm::ivec3& v) {
     const float half = 0.5f * static_cast<float>(size.x), z = 0.5f * static_cast<float>(size.z);
     const float x = static_cast<float>(v.x) + 0.5f, way = std::abs(x - half);
     if (3 * v.y > 2 * size.y) return std::hypot(way, static_cast<float>(v.z) + 0.5f - z) < half - 1;

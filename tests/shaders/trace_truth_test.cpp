@@ -17,20 +17,9 @@ namespace {
 using reference::TrialTally;
 using reference::TrialVolume;
 
-template <class Solid>
-fields::Occupancy volumeWhere(const glm::ivec3& size, Solid&& solid) {
-  fields::Occupancy volume{
-      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
-                                      static_cast<std::size_t>(size.z))};
-  for (int z = 0; z < size.z; ++z)
-    for (int y = 0; y < size.y; ++y)
-      for (int x = 0; x < size.x; ++x) volume.solid[volume.index({x, y, z})] = solid(glm::ivec3(x, y, z));
-  return volume;
-}
-
 // Posts of one voxel along each axis, far apart, and their stumps on the faces of the box.
 fields::Occupancy thinPosts(const glm::ivec3& size) {
-  return volumeWhere(size, [&](const glm::ivec3& v) {
+  return test::voxelsWhere(size, [&](const glm::ivec3& v) {
     return (v.x % 37 == 5 && v.z % 41 == 7) || (v.y % 43 == 11 && v.z % 53 == 30) ||
            (v.x % 47 == 21 && v.y % 59 == 2);
   });
@@ -39,7 +28,7 @@ fields::Occupancy thinPosts(const glm::ivec3& size) {
 // Spheres one voxel thick, one in the other.
 fields::Occupancy shells(const glm::ivec3& size) {
   const glm::vec3 center = 0.5f * glm::vec3(size);
-  return volumeWhere(size, [&](const glm::ivec3& v) {
+  return test::voxelsWhere(size, [&](const glm::ivec3& v) {
     const float d = glm::distance(glm::vec3(v) + 0.5f, center);
     return (std::abs(d - 40) < 0.6f || std::abs(d - 90) < 0.6f || std::abs(d - 120) < 0.6f) &&
            (v.x + 2 * v.y + 3 * v.z) % 29 > 3;
@@ -49,7 +38,7 @@ fields::Occupancy shells(const glm::ivec3& size) {
 // Single voxels in the outermost layers only: what a ray meets in its first and last instants.
 fields::Occupancy endLayers(const glm::ivec3& size) {
   std::mt19937 random(3);
-  return volumeWhere(size, [&](const glm::ivec3& v) {
+  return test::voxelsWhere(size, [&](const glm::ivec3& v) {
     const bool outermost =
         v.x == 0 || v.y == 0 || v.z == 0 || v.x == size.x - 1 || v.y == size.y - 1 || v.z == size.z - 1;
     return outermost && random() % 8 == 0;

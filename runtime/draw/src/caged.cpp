@@ -17,9 +17,7 @@ const Error* DrawList::boundCaged(const Frame& frame, std::size_t eight, std::si
   }
   if (caged == 0) return nullptr;
   JudgedParts judged;
-  PlacedParts about = placed_[eight];  // a copy, because placeParts() adds to the bounds of all eight
-  placeParts(frame.projection, posed_[eight], about);
-  judgeParts(frame.projection, frame.view, frame.rays, about, judged);
+  judgeAbout(frame, eight, judged);
   for (std::size_t k = 0; k < count; ++k) {
     if (!(caged >> k & 1)) continue;
     Candidate& candidate = block_[8 * eight + k];

@@ -124,6 +124,7 @@ class DrawList {
   const Error* addBlock(const Frame& frame);
   const Error* boundEight(std::size_t eight, std::size_t count);
   const Error* boundSwept(const Frame& frame, std::size_t eight, std::size_t count);
+  void judgeAbout(const Frame& frame, std::size_t eight, JudgedParts& judged) const;
   const Error* listArcs(std::size_t eight, std::size_t k, float level);
   const Error* boundCaged(const Frame& frame, std::size_t eight, std::size_t count);
   const Error* poseCages(std::size_t eight, std::size_t k, const CageChoice& choice);

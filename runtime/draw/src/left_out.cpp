@@ -106,6 +106,13 @@ const Error* DrawList::boundEight(std::size_t eight, std::size_t count) {
   return nullptr;
 }
 
+// Judges eight parts by bounds that are about theirs.
+void DrawList::judgeAbout(const Frame& frame, std::size_t eight, JudgedParts& judged) const {
+  PlacedParts about = placed_[eight];  // a copy, because placeParts() adds to the bounds of all eight
+  placeParts(frame.projection, posed_[eight], about);
+  judgeParts(frame.projection, frame.view, frame.rays, about, judged);
+}
+
 // Bounds the swept parts of eight: from about where they are follows how coarse their arcs may be.
 const Error* DrawList::boundSwept(const Frame& frame, std::size_t eight, std::size_t count) {
   const auto partOf = [&](std::size_t k) -> const Part& {
@@ -120,9 +127,7 @@ const Error* DrawList::boundSwept(const Frame& frame, std::size_t eight, std::si
   }
   if (swept == 0) return nullptr;
   JudgedParts judged;
-  PlacedParts about = placed_[eight];  // a copy, because placeParts() adds to the bounds of all eight
-  placeParts(frame.projection, posed_[eight], about);
-  judgeParts(frame.projection, frame.view, frame.rays, about, judged);
+  judgeAbout(frame, eight, judged);
   for (std::size_t k = 0; k < count; ++k) {
     if (!(swept >> k & 1)) continue;
     if (const Error* const error = listArcs(eight, k, judged.level.of[k])) return error;

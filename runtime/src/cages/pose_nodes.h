@@ -64,7 +64,7 @@ struct CageInPose {
 // A part's cages.
 struct NodesInPose {
   std::span<CageInPose> cages;  // finest first; empty: the part has none
-  const std::uint32_t* places;  // Cage::places of the finest
+  const std::uint32_t* places;  // a copy of the finest one's: poses may outlive their asset
   int side;                     // of its cells
   bool written;                 // by the host
   Error failure;                // of the spline, if placing failed

@@ -376,12 +376,12 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     reportFits(divided, whole, report);
     skin_info = divided.info;
   }
+  clock.begin("cages");
+  addCages(job.model, settings, progress, input, job.pack);
   clock.begin("palette");
   choosePalette(job);
   clock.begin("levels");
   buildLevels(job);
-  clock.begin("cages");
-  addCages(job.model, settings, progress, job.pack);
   if (settings.distance) {
     clock.begin("distances");
     addDistances(job);

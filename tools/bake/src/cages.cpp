@@ -1,18 +1,82 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <new>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "kelp/common/parallel.h"
 #include "kelp/fields/cages.h"
+#include "kelp/fields/fields.h"
 #include "kelp/formats/cage.h"
+#include "kelp/formats/pack.h"
 #include "part_frames.h"
 #include "steps.h"
 
 namespace kelp::bake {
+namespace {
+
+// Of a pack's metadata; the rest is for the other tables.
+constexpr std::uint64_t kMostCageBytes = PackLimits{}.max_metadata_bytes / 16 * 15;
+
+int cellOf(const SourcePart& part, const Settings& settings) {
+  return part.rig.cell != 0 ? part.rig.cell : settings.cell.value_or(kDefaultCell);
+}
+
+// As it is written where the part's cells are chosen.
+std::string cellText(const SourcePart& part, int cell) {
+  return fmt::format(fmt::runtime(part.rig.cell != 0 ? "\"cell\": {}" : "--cell {}"), cell);
+}
+
+bool hasCage(const SourcePart& part) { return part.rig.caged && !part.isEmpty(); }
+
+// Takes what readers count for a cage from `decoded` and `tables`. False: there is not as much.
+bool takeRoom(const std::vector<RawCage>& cages, const RawPart& part, int levels, std::uint64_t& decoded,
+              std::uint64_t& tables) {
+  CageMemory even, odd;
+  Cage made[2];
+  for (std::size_t i = 0; i < cages.size(); ++i) {
+    const RawCage& raw = cages[i];
+    const std::uint64_t bytes = raw.blocks.size() + raw.masks.size() + raw.splits.size() +
+                                sizeof(std::uint32_t) * (raw.split_points.size() + raw.follows.size());
+    if (bytes > decoded) return false;
+    decoded -= bytes;
+    const Result<Cage> cage = makeCage(raw.source(), part.size, levels, part.cell, static_cast<int>(i),
+                                       i > 0 ? &made[(i - 1) & 1] : nullptr, tables, i & 1 ? odd : even);
+    if (!cage && cage.error().code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
+    if (!cage) return false;
+    tables -= cage->bytes();
+    made[i & 1] = *cage;
+  }
+  return true;
+}
+
+// Gives all parts of `pack` their cages, with cells of at least so many voxels. False: there are more than
+// readers take by default.
+bool buildAll(SourceModel& model, const Settings& settings, int least, const Progress& progress,
+              RawPack& pack) {
+  std::uint64_t decoded = kMostCageBytes, tables = kMostCageBytes;
+  for (std::size_t i = 0; i < pack.parts.size(); ++i) {
+    if (progress && !progress("cages", static_cast<double>(i) / static_cast<double>(pack.parts.size())))
+      throw ToolError(Exit::kInterrupted, "interrupted");
+    if (!hasCage(model.parts[i])) continue;
+    RawPart& part = pack.parts[i];
+    part.cell = std::max(cellOf(model.parts[i], settings), least);
+    VoxelGrid& grid = *model.parts[i].grid;
+    fields::Occupancy occupancy{grid.size, std::move(grid.solid)};
+    const fields::SolidBits bits(occupancy, threadCount(settings.threads));
+    grid.solid = std::move(occupancy.solid);
+    const int levels = levelCount(grid.size, settings.levels);
+    part.cages = fields::buildCages(bits, levels, part.cell);
+    if (!takeRoom(part.cages, part, levels, decoded, tables)) return false;
+  }
+  return true;
+}
+
+}  // namespace
 
 void checkCages(const SourceModel& model, const RawPack& pack, const Settings& settings,
                 const std::filesystem::path& input) {
-  const int cell = settings.cell.value_or(kDefaultCell);
   bool any = false;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     const SourcePart& part = model.parts[i];
@@ -28,32 +92,38 @@ void checkCages(const SourceModel& model, const RawPack& pack, const Settings& s
                                               ": is fog, which has no cages; write \"bend\": \"sweep\" or "
                                               "\"shear\" in its rig");
     const glm::ivec3& size = pack.parts[i].size;
-    const int longest = std::max({size.x, size.y, size.z});
+    const int longest = std::max({size.x, size.y, size.z}), cell = cellOf(part, settings);
     if (longest <= kMostCageCells * cell) continue;
     int fits = cell;
     while (fits < fields::kLargestCell && longest > kMostCageCells * fits) fits *= 2;
-    throw ToolError(Exit::kUsage, fmt::format("{}: {} voxels are more than {} cells of --cell {}; {}",
-                                              partPlace(input, part), longest, kMostCageCells, cell,
-                                              longest > kMostCageCells * fits
-                                                  ? fmt::format("bake with a --resolution of at most {}",
-                                                                kMostCageCells * fields::kLargestCell)
-                                                  : fmt::format("--cell {} fits", fits)));
+    throw ToolError(
+        Exit::kUsage,
+        fmt::format("{}: {} voxels are more than {} cells of {}; {}", partPlace(input, part), longest,
+                    kMostCageCells, cellText(part, cell),
+                    longest > kMostCageCells * fits ? fmt::format("bake with a --resolution of at most {}",
+                                                                  kMostCageCells * fields::kLargestCell)
+                                                    : cellText(part, fits) + " fits"));
   }
   if (settings.cell && !any)
-    throw ToolError(Exit::kUsage,
-                    fmt::format("--cell {}: no part has a cage; add --bend cage, or leave it out", cell));
+    throw ToolError(
+        Exit::kUsage,
+        fmt::format("--cell {}: no part has a cage; add --bend cage, or leave it out", *settings.cell));
 }
 
-void addCages(const SourceModel& model, const Settings& settings, const Progress& progress, RawPack& pack) {
-  for (std::size_t i = 0; i < pack.parts.size(); ++i) {
-    if (progress && !progress("cages", static_cast<double>(i) / static_cast<double>(pack.parts.size())))
-      throw ToolError(Exit::kInterrupted, "interrupted");
-    RawPart& part = pack.parts[i];
-    if (!model.parts[i].rig.caged || part.levels.empty()) continue;
-    part.cell = settings.cell.value_or(kDefaultCell);
-    part.cages =
-        fields::buildCages(part.levels.front(), part.size, static_cast<int>(part.levels.size()), part.cell);
-  }
+void addCages(SourceModel& model, const Settings& settings, const Progress& progress,
+              const std::filesystem::path& input, RawPack& pack) {
+  if (buildAll(model, settings, fields::kSmallestCell, progress, pack)) return;
+  const SourcePart& part = *std::find_if(model.parts.begin(), model.parts.end(), hasCage);
+  const int cell = cellOf(part, settings);
+  int fits = 2 * cell;
+  while (fits <= fields::kLargestCell && !buildAll(model, settings, fits, progress, pack)) fits *= 2;
+  throw ToolError(
+      Exit::kUnsupported,
+      fmt::format(
+          "{}: cages of {} take more than {} MiB in memory, and packs with such cages are "
+          "not read by default; {}",
+          partPlace(input, part), cellText(part, cell), kMostCageBytes >> 20,
+          fits > fields::kLargestCell ? "bake with a lower --resolution" : cellText(part, fits) + " fits"));
 }
 
 }  // namespace kelp::bake

@@ -65,8 +65,9 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
 // parts' sizes.
 void checkCages(const SourceModel& model, const RawPack& pack, const Settings& settings,
                 const std::filesystem::path& input);
-// Builds them from the levels.
-void addCages(const SourceModel& model, const Settings& settings, const Progress& progress, RawPack& pack);
+// Builds them from the voxels. ToolError if they are more than a reader takes by default.
+void addCages(SourceModel& model, const Settings& settings, const Progress& progress,
+              const std::filesystem::path& input, RawPack& pack);
 
 // Levels of a volume: down to a single brick, or `asked` if that is fewer (0: all).
 int levelCount(const glm::ivec3& size, int asked);

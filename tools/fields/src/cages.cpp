@@ -260,8 +260,14 @@ class CageBuilder {
         label += pieces;
       });
     }
-    if (nodes == 1 && nearest[0].cell != kCageOutside) return;
-    for (Nearest& best : nearest) {
+    std::vector<bool> shares(nearest.size());  // a cube with another node
+    for (const Beside& one : beside_)
+      for (std::size_t piece = 1; piece < lattice_.pieces[one.cube]; ++piece)
+        if (nodes_[one.first + piece] != nodes_[one.first])
+          shares[nodes_[one.first + piece]] = shares[nodes_[one.first]] = true;
+    for (std::size_t node = 0; node < nearest.size(); ++node) {
+      Nearest& best = nearest[node];
+      if (best.cell != kCageOutside && !shares[node]) continue;
       if (best.cell == kCageOutside)
         for (const auto& [cube, cell] : finer_->numbers_)
           best = std::min(best, Nearest{distance(finer_->placeOf(cube)), cell});

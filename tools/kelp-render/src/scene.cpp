@@ -12,9 +12,11 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "kelp/common/console.h"
+#include "kelp/common/dense_index.h"
 #include "kelp/common/memory.h"
 #include "kelp/common/pack_error.h"
 #include "kelp/fields/cages.h"
+#include "kelp/fields/solid_bits.h"
 #include "kelp/formats/raw_level.h"
 #include "kelp/rig/raw_clips.h"
 #include "kelp/rig/rig.h"
@@ -65,6 +67,14 @@ void checkDistances(const Options& options, const std::string& path, const runti
                     path + ": is fog, which has no distances; leave it out, or choose another --view");
 }
 
+[[noreturn]] void failTooLarge(const std::string& path) {
+  throw ToolError(
+      Exit::kRuntime,
+      fmt::format("{}: its voxels take more than {} MiB, and this machine has no memory for that and "
+                  "OpenGL's copy; use one with more memory, or bake it with a lower --resolution",
+                  path, mostMemory() >> 20));
+}
+
 // Cages of a solid part: cells as it has them, or else of 8 voxels, or of 16 if that is too many.
 RawCages cagesOf(const std::string& path, const Pack& pack, int index) {
   const Part& part = pack.parts()[static_cast<std::size_t>(index)];
@@ -75,16 +85,10 @@ RawCages cagesOf(const std::string& path, const Pack& pack, int index) {
                     fmt::format("{}: --bend cage: part {} is {} voxels long, and a cage has at most {} cells "
                                 "of {}; bake it with a lower --resolution",
                                 path, part.name, longest, kMostCageCells, cell));
+  // Level 0 in bricks, as bytes, as bits.
+  if (2 * denseCount(part.size) + fields::SolidBits::bytes(part.size) > mostMemory()) failTooLarge(path);
   return {cell,
           fields::buildCages(checkPack(path, readRawLevel(pack, index, 0)), part.size, part.levels, cell)};
-}
-
-[[noreturn]] void failTooLarge(const std::string& path) {
-  throw ToolError(
-      Exit::kRuntime,
-      fmt::format("{}: its voxels take more than {} MiB, and this machine has no memory for that and "
-                  "OpenGL's copy; use one with more memory, or bake it with a lower --resolution",
-                  path, mostMemory() >> 20));
 }
 
 }  // namespace
@@ -143,7 +147,7 @@ Rebent::Rebent(const std::string& path, const Source& source, Bend bend, bool ca
   for (const Part& part : pack.parts()) {
     if (caged && part.kind == PartKind::kSolid)
       (*rigs.cages)[rigs.parts.size()] = cagesOf(path, pack, static_cast<int>(rigs.parts.size()));
-    RawRig& rest = rigs.parts.emplace_back(rawRig(part));
+    RawRig& rest = rigs.parts.emplace_back(restRig(part));
     if (caged && part.kind != PartKind::kSolid) continue;
     rest.bend = bend;
     if (bend == Bend::kShear) rest.roll = 0;

@@ -77,7 +77,7 @@ Sizes sizesOf(const Pack& pack) {
 
 PackRig rigOf(const Pack& pack) {
   PackRig rig;
-  for (const Part& part : pack.parts()) rig.parts.push_back(rawRig(part));
+  for (const Part& part : pack.parts()) rig.parts.push_back(restRig(part));
   rig.clips = rawClips(pack);
   rig.sockets = rawSockets(pack);
   return rig;
@@ -89,9 +89,10 @@ bool alike(const PackRig& a, const PackRig& b) {
                            sameSocket))
     return false;
   for (std::size_t part = 0; part < a.parts.size(); ++part) {
-    const RawRig &r = a.parts[part], &s = b.parts[part];
+    const RestRig &r = a.parts[part], &s = b.parts[part];
+    const bool other_cells = r.cell != s.cell && r.cell != 0 && s.cell != 0;
     if (r.automatic_tangents != s.automatic_tangents || !near(r.parent_at, s.parent_at) || r.bend != s.bend ||
-        r.caged != s.caged || !near(r.roll, s.roll) ||
+        r.caged != s.caged || other_cells || !near(r.roll, s.roll) ||
         !std::equal(r.knots.begin(), r.knots.end(), s.knots.begin(), s.knots.end(),
                     [&](const Knot& k, const Knot& l) {
                       return near(k.at, l.at) && near(k.position, l.position, kAlike) &&
@@ -152,7 +153,7 @@ RigAxes axesOf(const Pack& pack, const RiggedPack& rigged, int index) {
 
 RigDescription describe(const PackRig& rig, int index, const RigAxes& axes) {
   const auto part = static_cast<std::uint32_t>(index);
-  RawRig rest = rig.parts[part];
+  RestRig rest = rig.parts[part];
   std::vector<RawClip> clips;
   for (const RawClip& clip : rig.clips) {
     if (!moves(clip, part)) continue;
@@ -176,7 +177,7 @@ RigDescription describe(const PackRig& rig, int index, const RigAxes& axes) {
 PackRig realize(const std::vector<RigDescription>& rigs, const std::vector<RigAxes>& axes) {
   PackRig rig;
   for (std::size_t part = 0; part < rigs.size(); ++part) {
-    RawRig rest = realizeRig(rigs[part]);
+    RestRig rest = realizeRig(rigs[part]);
     std::vector<RawSocket> sockets = realizeSockets(rigs[part], static_cast<std::uint32_t>(part));
     std::vector<RawClip> clips = realizeClips(rigs[part], static_cast<std::uint32_t>(part));
     if (axes[part].turn != glm::mat3(1)) {

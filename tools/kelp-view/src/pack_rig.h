@@ -15,7 +15,7 @@ Sizes sizesOf(const Pack& pack);
 
 // The contents of a pack's RIGS, CLIP and SOCK chunks.
 struct PackRig {
-  std::vector<RawRig> parts;
+  std::vector<RestRig> parts;
   std::vector<RawClip> clips;
   std::vector<RawSocket> sockets = {};
 };

@@ -85,6 +85,7 @@ bool movesKnot(Target target) { return target == Target::kKnotOffset || target =
 void bendAs(RigDescription& rig, Bend bend, bool caged) {
   rig.bend = bend;
   rig.caged = caged;
+  if (!caged) rig.cell = 0;
   if (bend == Bend::kShear) rig.roll = 0;
 }
 

@@ -23,10 +23,9 @@ double rollInDegrees(float roll) { return static_cast<double>(roll) * 180 / std:
 
 float rollOfDegrees(double degrees) { return static_cast<float>(degrees * std::numbers::pi / 180); }
 
-RawRig realizeRig(const RigDescription& rig, Bend by_default) {
-  RawRig rest{realizeKnots(rig), automaticTangents(rig), rig.parent_at};
+RestRig realizeRig(const RigDescription& rig, Bend by_default) {
+  RestRig rest{{realizeKnots(rig), automaticTangents(rig), rig.parent_at}, rig.caged, rig.cell};
   rest.bend = rig.bend.value_or(by_default);
-  rest.caged = rig.caged;
   rest.roll = rig.roll;
   return rest;
 }

@@ -6,7 +6,7 @@
 #include "words.h"
 
 namespace kelp {
-RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, std::uint32_t part, Axis axis,
+RigDescription describeRig(const RestRig& rest, std::span<const RawClip> clips, std::uint32_t part, Axis axis,
                            std::span<const RawSocket> sockets) {
   const glm::mat3 to_artist = glm::transpose(axisRotation(axis));  // permutes and flips: loses nothing
   RigDescription rig;
@@ -61,6 +61,7 @@ RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, s
   rig.parent_at = rest.parent_at;
   rig.bend = rest.bend;
   rig.caged = rest.caged;
+  rig.cell = rest.cell;
   rig.roll = rest.roll;
   return rig;
 }
@@ -78,7 +79,7 @@ RigFile describeParts(const Pack& pack, const RiggedPack& rigged) {
     const Part& part = pack.parts()[i];
     if (rigged.skin.skin.empty() || rigged.given[i])
       file.parts.push_back(
-          {std::string(part.name), describeRig(rawRig(part), clips[i], i, rigged.axes[i], sockets[i])});
+          {std::string(part.name), describeRig(restRig(part), clips[i], i, rigged.axes[i], sockets[i])});
   }
   return file;
 }

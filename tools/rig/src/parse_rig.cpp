@@ -213,6 +213,14 @@ void readBend(const Place& place, RigDescription& rig) {
       fail(bend, "must be \"sweep\", \"shear\" or \"cage\", not " +
                      printable(bend.json.dump(-1, ' ', false, Json::error_handler_t::replace)));
   }
+  if (place.has("cell")) {
+    const Place cell = place.at("cell");
+    const double side = readNumber(cell);
+    if (side != 2 && side != 4 && side != 8 && side != 16)
+      fail(cell, "must be 2, 4, 8 or 16, not " + printable(side));
+    if (!rig.caged) fail(cell, "only a cage has cells; write \"bend\": \"cage\", or take \"cell\" out");
+    rig.cell = static_cast<int>(side);
+  }
   if (!place.has("roll")) return;
   const Place roll = place.at("roll");
   const double degrees = readNumber(roll, -180, 180);
@@ -234,12 +242,12 @@ void requireVersion(const Place& place) {
 }
 
 RigDescription readRig(const Place& place, RigPlace stands) {
-  static constexpr std::array<std::string_view, 10> kKeys{"kelp",      "axis", "knots", "clips", "sockets",
-                                                          "parent_at", "bend", "roll",  "skin",  "parts"};
+  static constexpr std::array<std::string_view, 11> kKeys{
+      "kelp", "axis", "knots", "clips", "sockets", "parent_at", "bend", "cell", "roll", "skin", "parts"};
   // "parts" is read in parse_rig_file.cpp.
-  requireObject(place, std::span(kKeys).first(stands == RigPlace::kPart   ? 8
-                                              : stands == RigPlace::kNode ? 9
-                                                                          : 10));
+  requireObject(place, std::span(kKeys).first(stands == RigPlace::kPart   ? 9
+                                              : stands == RigPlace::kNode ? 10
+                                                                          : 11));
   if (stands != RigPlace::kPart || place.has("kelp")) requireVersion(place);
   RigDescription rig;
   if (place.has("skin")) {

@@ -165,6 +165,7 @@ std::vector<std::string> membersOf(const RigDescription& rig) {
   }
   if (rig.parent_at != Part::kNotOnSpline) members.push_back("\"parent_at\": " + number(rig.parent_at));
   if (rig.bend) members.push_back(std::string("\"bend\": \"") + toString(*rig.bend, rig.caged) + "\"");
+  if (rig.cell != 0) members.push_back("\"cell\": " + std::to_string(rig.cell));
   if (rig.roll != 0) members.push_back("\"roll\": " + degrees(rig.roll));
   if (!rig.skin.empty()) {
     std::vector<std::string> lines;

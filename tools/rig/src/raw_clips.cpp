@@ -3,13 +3,11 @@
 
 namespace kelp {
 
-RawRig rawRig(const Part& part) {
-  return {{part.knots.begin(), part.knots.end()},
-          part.automatic_tangents,
-          part.parent_at,
-          part.bend,
-          part.roll,
-          !part.cages.empty()};
+RestRig restRig(const Part& part) {
+  return {
+      {{part.knots.begin(), part.knots.end()}, part.automatic_tangents, part.parent_at, part.bend, part.roll},
+      !part.cages.empty(),
+      part.cages.empty() ? 0 : part.cages[0].side};
 }
 
 std::vector<RawSocket> rawSockets(const Pack& pack) {

@@ -76,6 +76,16 @@ constexpr glm::ivec3 cageGrid(const glm::ivec3& size, int side) {
   return {(size.x + side - 1) / side, (size.y + side - 1) / side, (size.z + side - 1) / side};
 }
 
+// Words of a cell's masks of the levels first_level to level - 1.
+constexpr std::uint32_t cageMaskWords(int side, int first_level, int level) {
+  std::uint32_t words = 0;
+  for (int l = first_level; l < level; ++l) {
+    const auto along = static_cast<std::uint32_t>(side >> l);
+    words += std::max(along * along * along / 32, 1u);
+  }
+  return words;
+}
+
 // The part of a cage that a file holds and a baker makes. makeCage() computes the rest.
 struct CageSource {
   // One for each cube of the grid, x fastest, then y, then z: 0: no solid; 1 .. 254: so many pieces, each a
@@ -92,7 +102,8 @@ struct CageSource {
   std::span<const std::uint32_t> split_points;
   std::span<const std::uint8_t> splits;
   // Of coarser cages: the cells of the next finer cage that nodes move with, where the rule of SPEC.md 4.9
-  // does not tell: for each node of split points, and of those where the cubes around hold no finer cell.
+  // does not tell: for each node that shares a cube with another at its point, and where the cubes of its
+  // cells hold no finer cell.
   std::span<const std::uint32_t> follows;
 };
 
@@ -115,6 +126,7 @@ struct Cage {
   std::uint32_t cells() const { return words[0]; }
   std::uint32_t nodes() const { return words[1]; }
   std::uint32_t faces() const { return words[2]; }
+  std::uint64_t bytes() const { return words.size_bytes() + places.size_bytes() + follows.size_bytes(); }
   // kCageCellWords words.
   const std::uint32_t* cell(std::uint32_t i) const { return &words[kCageHeader + kCageCellWords * i]; }
   // Of a cell: the node at a corner, 0 .. 7; what is beyond a face, 0 .. 5.
@@ -122,6 +134,10 @@ struct Cage {
   std::uint32_t beyond(std::uint32_t cell, int face) const { return this->cell(cell)[6 + face]; }
   std::uint32_t face(std::uint32_t i) const { return words[kCageHeader + kCageCellWords * cells() + i]; }
   glm::ivec3 place(std::uint32_t cell) const { return unpack(this->cell(cell)[0], 8); }
+  // The word where the mask of a level begins, of a cell that has masks.
+  std::uint32_t maskAt(std::uint32_t cell, int level) const {
+    return this->cell(cell)[1] + cageMaskWords(side, first_level, level);
+  }
   // Where a node is at rest, level-0 voxels.
   glm::ivec3 rest(std::uint32_t node) const { return side * unpack(places[node], 10); }
 
@@ -158,9 +174,9 @@ struct CageFollow {
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer);
 
 // Makes the cage that `source` describes, in `memory`. size: of the part, level-0 voxels. levels: of the
-// part. cage: its number, finest first. finer: the next finer one; null for the finest. max_bytes: of what it
-// takes in memory. kCorrupt, with a text, for what breaks the rules of SPEC.md 4.9; kLimit; kOutOfMemory.
-// Safe for hostile sources: counts are checked before memory is taken.
+// part. cage: its number, finest first. finer: the next finer one; null for the finest. max_bytes: of the
+// cage and of what making it takes meanwhile. kCorrupt, with a text, for what breaks the rules of
+// SPEC.md 4.9; kLimit; kOutOfMemory. Safe for hostile sources: counts are checked before memory is taken.
 Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int levels, int cell, int cage,
                       const Cage* finer, std::uint64_t max_bytes, CageMemory& memory);
 

@@ -152,7 +152,6 @@ struct RawRig {
   float parent_at = Part::kNotOnSpline;
   Bend bend = Bend::kShear;
   float roll = 0;
-  bool caged = false;  // the part has cages; writeRigs does not read this
 };
 
 // The cages of a part, as in RawPart.
@@ -175,8 +174,8 @@ struct RawRigs {
 // chunk is copied byte by byte, unknown kinds included, and compared with its checksum on the way. So the
 // result has the same bytes as writePack would write. kMisuse, with a text, if the rigs break the rules of
 // SPEC.md; the errors of Pack::open if the source is not a valid pack; kChecksum; the sink's error. Safe for
-// hostile sources. After an error, discard what the sink received. Memory: the metadata and a block of 64
-// KiB.
+// hostile sources. After an error, discard what the sink received. Memory: the metadata, twice the new cages,
+// and a block of 64 KiB.
 Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink,
                        const PackLimits& limits = {});
 

@@ -3,6 +3,7 @@
 // tests and for long runs.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "kelp/fields/fields.h"
 #include "kelp/formats/spline.h"
+#include "reference/judge.h"
 
 namespace kelp::reference {
 
@@ -46,6 +48,23 @@ struct TrialTally {
   std::string first_failure;  // the first ray that was judged wrong, to be traced again
 
   void add(const TrialTally& more);
+  // Counts a ray with its hit, a KelpHit of any program, `s` along the ray. True: it is the first one that is
+  // judged wrong.
+  template <class Hit>
+  bool count(const Truth& truth, const Hit& hit, double s) {
+    const Verdict verdict = judge(truth, hit.found ? std::optional(s) : std::nullopt);
+    ++rays;
+    hits += hit.found;
+    owed += truth.owed.has_value();
+    grazing += truth.grazing();
+    missed += verdict == Verdict::kMissed;
+    invented += verdict == Verdict::kFalse;
+    depth_off += hit.found && truth.owed && (s < *truth.possible - 0.5 || s > *truth.owed + 0.5);
+    steps += static_cast<std::uint64_t>(hit.steps);
+    outside += static_cast<std::uint64_t>(hit.outside);
+    steps_max = std::max(steps_max, hit.steps);
+    return verdict != Verdict::kRight && first_failure.empty();
+  }
 };
 
 // Rays of every kind: any direction, along the spline, exactly and nearly horizontal, along an axis, from

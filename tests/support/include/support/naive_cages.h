@@ -22,6 +22,7 @@ class NaiveCage {
   };
   struct Node {
     glm::ivec3 point;
+    std::vector<std::size_t> cells;  // whose corner it is
   };
 
   int side = 0, first_level = 0;
@@ -47,17 +48,22 @@ class NaiveCage {
     nameNodes();
   }
 
-  // Nodes that share their point, and those without a finer cell in the cubes around, follow the nearest of
-  // all finer cells.
+  // Nodes that share a cube with another at their point, and those without a finer cell in the cubes of their
+  // cells, follow the nearest of all finer cells.
   void follow(const NaiveCage& finer) {
     for (const Node& node : nodes) {
-      const auto sharing = std::count_if(nodes.begin(), nodes.end(),
-                                         [&](const Node& other) { return other.point == node.point; });
-      const auto around = nearestOf(finer, node.point, [&](const glm::ivec3& cube) {
-        return touchesPoint(cube, node.point) && raw.blocks[at(cube)] != kInsideBlock &&
-               raw.blocks[at(cube)] != 0;
-      });
-      const bool told = sharing == 1 && around != finer.cells.size();
+      const auto has = [&](std::size_t cell) {
+        return std::find(node.cells.begin(), node.cells.end(), cell) != node.cells.end();
+      };
+      const auto isAround = [&](const glm::ivec3& cube) {
+        return std::any_of(node.cells.begin(), node.cells.end(),
+                           [&](std::size_t cell) { return cells[cell].cube == cube; });
+      };
+      bool told = true;
+      for (std::size_t cell = 0; cell < cells.size(); ++cell)
+        told = told && (has(cell) || !isAround(cells[cell].cube));
+      const auto around = nearestOf(finer, node.point, isAround);
+      told = told && around != finer.cells.size();
       const auto one = told ? around : nearestOf(finer, node.point, [](const glm::ivec3&) { return true; });
       follows.push_back(static_cast<std::uint32_t>(one));
       if (!told) raw.follows.push_back(follows.back());
@@ -65,9 +71,6 @@ class NaiveCage {
   }
 
  private:
-  static bool touchesPoint(const glm::ivec3& cube, const glm::ivec3& point) {
-    return point == glm::clamp(point, cube, cube + 1);
-  }
   // The finer cell that is nearest to a point, of those whose cube of this cage will do.
   std::size_t nearestOf(const NaiveCage& finer, const glm::ivec3& point,
                         const std::function<bool(const glm::ivec3&)>& will_do) const {
@@ -192,7 +195,10 @@ class NaiveCage {
         numbers.push_back(static_cast<std::uint8_t>(found - seen.begin()));
         if (found == seen.end()) seen.push_back(r);
       }
-      nodes.insert(nodes.end(), seen.size(), Node{corners[first].point});
+      const std::size_t first_node = nodes.size();
+      nodes.insert(nodes.end(), seen.size(), Node{corners[first].point, {}});
+      for (std::size_t i = 0; i < numbers.size(); ++i)
+        nodes[first_node + numbers[i]].cells.push_back(corners[first + i].cell);
       if (seen.size() < 2) continue;
       raw.split_points.push_back(static_cast<std::uint32_t>(index(corners[first].point)));
       raw.splits.insert(raw.splits.end(), numbers.begin(), numbers.end());

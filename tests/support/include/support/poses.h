@@ -33,6 +33,18 @@ inline std::vector<Knot> figureKnots(const FigurePose& pose) {
   return {{0, glm::vec3(0), pose.first}, {1, glm::vec3(0, 1, 0), pose.second}};
 }
 
+// Solid where `solid(voxel)`.
+template <class Solid>
+fields::Occupancy voxelsWhere(const glm::ivec3& size, Solid&& solid) {
+  fields::Occupancy volume{
+      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                      static_cast<std::size_t>(size.z))};
+  for (int z = 0; z < size.z; ++z)
+    for (int y = 0; y < size.y; ++y)
+      for (int x = 0; x < size.x; ++x) volume.solid[volume.index({x, y, z})] = solid(glm::ivec3(x, y, z));
+  return volume;
+}
+
 // A clump of balls: smooth, with gaps and thin necks. Never empty.
 inline fields::Occupancy ballClump(const glm::ivec3& size, int balls, unsigned seed) {
   fields::Occupancy volume{
@@ -71,19 +83,13 @@ inline fields::Occupancy dust(const glm::ivec3& size, unsigned one_in, unsigned 
 
 // One-voxel plates and rods, in every direction, also on the faces of the box.
 inline fields::Occupancy platesAndRods(const glm::ivec3& size) {
-  fields::Occupancy volume{
-      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
-                                      static_cast<std::size_t>(size.z))};
-  for (int z = 0; z < size.z; ++z)
-    for (int y = 0; y < size.y; ++y)
-      for (int x = 0; x < size.x; ++x) {
-        const bool plate = (x == size.x / 3 && y % 7 < 4) || (y == size.y - 1 && x % 5 == 0) ||
-                           (z == size.z / 2 && x > size.x / 2);
-        const bool rod =
-            (x % 11 == 0 && y % 13 == 0) || (y % 17 == 3 && z % 9 == 0) || (x % 19 == 5 && z % 15 == 0);
-        volume.solid[volume.index({x, y, z})] = plate || rod;
-      }
-  return volume;
+  return voxelsWhere(size, [&](const glm::ivec3& v) {
+    const bool plate = (v.x == size.x / 3 && v.y % 7 < 4) || (v.y == size.y - 1 && v.x % 5 == 0) ||
+                       (v.z == size.z / 2 && v.x > size.x / 2);
+    const bool rod = (v.x % 11 == 0 && v.y % 13 == 0) || (v.y % 17 == 3 && v.z % 9 == 0) ||
+                     (v.x % 19 == 5 && v.z % 15 == 0);
+    return plate || rod;
+  });
 }
 
 // The surface voxels of a volume with one palette entry and one normal: enough to trace.

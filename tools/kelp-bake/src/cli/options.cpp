@@ -129,9 +129,11 @@ void addModelOptions(Adder& add, bake::Settings& settings, Options& options) {
              "spline, which may curl; shear: they stay level (default); cage: as sweep, drawn through a "
              "lattice of nodes, which a program may move too",
              bend(settings));
-  add.option("--cell", "2|4|8|16",
-             "the side of a cage's cells in voxels (default 8); at most 256 of them along a part",
-             number(settings.cell));
+  add.option(
+      "--cell", "2|4|8|16",
+      "the side of a cage's cells in voxels, of parts whose rig does not say (default 8); at most 256 of "
+      "them along a part",
+      number(settings.cell));
   add.heading("Model");
   add.option("--scene", "NAME|INDEX",
              "glTF: the scene to bake, by name or by index from 0; a number in the range of indices is an "

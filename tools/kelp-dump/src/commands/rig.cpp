@@ -24,7 +24,7 @@ std::string partRig(PackFile& file, std::uint32_t index, Axis axis) {
   const Pack& pack = file.pack();
   const Part& part = pack.parts()[index];
   try {
-    return printRig(describeRig(rawRig(part), rawClips(pack), index, axis, rawSockets(pack)));
+    return printRig(describeRig(restRig(part), rawClips(pack), index, axis, rawSockets(pack)));
   } catch (const RigError& error) {
     throw ToolError(Exit::kInvalid, fmt::format("{}: part {} '{}': {}", file.path(), index,
                                                 nameText(part.name), error.what()));

@@ -65,13 +65,9 @@ class Cubes {
     return at;
   }
   bool masks(std::uint32_t cell, int level, const glm::ivec3& in) const {
-    std::uint32_t at = cage_.cell(cell)[1];
-    for (int finer = cage_.first_level; finer < level; ++finer) {
-      const auto side = static_cast<std::uint32_t>(cage_.side >> finer);
-      at += std::max(side * side * side / 32, 1u);
-    }
     const int side = cage_.side >> level, bit = in.x + side * (in.y + side * in.z);
-    return (cage_.words[at + static_cast<std::uint32_t>(bit / 32)] >> bit % 32 & 1) != 0;
+    return (cage_.words[cage_.maskAt(cell, level) + static_cast<std::uint32_t>(bit / 32)] >> bit % 32 & 1) !=
+           0;
   }
 
   const Cage& cage_;

@@ -83,8 +83,8 @@ void drawBend(Draft& draft) {
     draft.changed = true;
   }
   tip("shear: layers across the axis stay level, and the spline must rise. sweep: they stay perpendicular to "
-      "the spline, which may turn back and curl. cage: as sweep, through a lattice of nodes; cages come and "
-      "go when the model is baked.");
+      "the spline, which may turn back and curl. cage: as sweep, through a lattice of nodes; it is drawn "
+      "so once the rig is saved and the model baked with it, as --watch does.");
   if (draft.rig.bend != Bend::kSweep) return;
   ImGui::SameLine();
   float roll = static_cast<float>(rollInDegrees(draft.rig.roll));

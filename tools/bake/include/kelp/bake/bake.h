@@ -32,9 +32,11 @@ struct Settings : ImportSettings {
   std::optional<std::filesystem::path> palette_file;  // the palette's colors; see readPalette
   // Two of the file's materials never share a palette entry. Not together with palette_file.
   bool keep_materials = false;
-  int levels = 0;           // how many; 0: until a level is a single brick
-  bool distance = true;     // whether the pack holds distances
-  std::optional<int> cell;  // side of the cells of cages, in voxels: 2, 4, 8 or 16; absent: kDefaultCell
+  int levels = 0;        // how many; 0: until a level is a single brick
+  bool distance = true;  // whether the pack holds distances
+  // Side of the cells of cages, in voxels: 2, 4, 8 or 16; of parts whose rig does not say. Absent:
+  // kDefaultCell
+  std::optional<int> cell;
   Effort effort = Effort::kFast;
 };
 

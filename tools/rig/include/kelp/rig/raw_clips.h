@@ -6,6 +6,7 @@
 
 #include "kelp/formats/pack.h"
 #include "kelp/formats/raw_pack.h"
+#include "kelp/rig/rig.h"
 
 namespace kelp {
 
@@ -13,6 +14,6 @@ namespace kelp {
 std::vector<RawClip> rawClips(const Pack& pack);
 std::vector<RawSocket> rawSockets(const Pack& pack);
 // The rest rig of a part as plain structs.
-RawRig rawRig(const Part& part);
+RestRig restRig(const Part& part);
 
 }  // namespace kelp

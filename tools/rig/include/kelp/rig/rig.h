@@ -90,11 +90,19 @@ struct RigDescription {
   float parent_at = Part::kNotOnSpline;  // place on the parent part's spline, as Part::parent_at
   std::optional<Bend> bend;              // kDefaultBend if absent
   bool caged = false;                    // "cage": drawn through a cage, which moves as `bend` says: kSweep
+  int cell = 0;                          // side of its cells, as RawPart::cell; 0: the baker's choice
   float roll = 0;                        // as Part::roll; 0 unless `bend` is kSweep
   // Not empty: the rig divides a skin, whose parts move by the file's animations; then it says nothing else.
   std::vector<SkinGroup> skin;
   bool operator==(const RigDescription&) const = default;
 };
+
+// The rest rig of a part, and the cage that its rig asks for.
+struct RestRig : RawRig {
+  bool caged = false;  // as in RigDescription
+  int cell = 0;
+};
+
 inline constexpr std::size_t kMaxSockets = 1024;
 inline constexpr int kMinSkinKnots = 3, kMaxSkinKnots = 24;
 inline constexpr int kMaxSkinPieces = 256, kMaxSkinParts = 1024;  // of one group; of all
@@ -132,7 +140,7 @@ std::vector<Knot> realizeKnots(const RigDescription& rig);
 // Which of them have an automatic tangent, as Part::automatic_tangents.
 std::uint64_t automaticTangents(const RigDescription& rig);
 // The rest rig: both of them, and how the part bends. A rig that does not say bends as `by_default`.
-RawRig realizeRig(const RigDescription& rig, Bend by_default = kDefaultBend);
+RestRig realizeRig(const RigDescription& rig, Bend by_default = kDefaultBend);
 // Refuses the rest rig of a part of `size` voxels that cannot be drawn. RigError names the knot and says what
 // to do.
 void checkRest(const RawRig& rest, const glm::ivec3& size);
@@ -150,7 +158,7 @@ std::vector<RawSocket> realizeSockets(const RigDescription& rig, std::uint32_t p
 std::vector<std::pair<std::uint32_t, RawClip>> splitByPart(const RawClip& clip);
 // The inverse of realizeRig, realizeClips and realizeSockets, for `kelp-dump rig`;
 // `axis` is the part's axis in the artist's axes.
-RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, std::uint32_t part,
+RigDescription describeRig(const RestRig& rest, std::span<const RawClip> clips, std::uint32_t part,
                            Axis axis = Axis::kPlusY, std::span<const RawSocket> sockets = {});
 
 // The motion of one part over the whole clip.
