@@ -222,7 +222,7 @@ KELP_FN KelpMarch kelpBeginMarch(KELP_CONTEXT_ KelpTetrahedron g, uint place, fl
   m.q = (m.side / g.det) * kelpCellPlace(g.axes, g.f);
   m.dq = (m.side / g.det) * kelpCellPlace(g.axes, g.slope);
   // Beyond the volume there is no voxel.
-  vec3 room = min(vec3(m.side), scale * KELP_SIZE - m.corner);
+  vec3 room = scale * KELP_SIZE - m.corner;
   vec2 s = range;
   if (min(room.x, min(room.y, room.z)) < m.side)
     s = kelpClip(kelpClip(kelpClip(s, room.x - m.q.x, -m.dq.x), room.y - m.q.y, -m.dq.y), room.z - m.q.z,

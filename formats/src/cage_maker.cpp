@@ -279,7 +279,7 @@ Result<void> CageMaker::follow(const Cage& finer, std::span<const std::uint32_t>
   std::fill(follows.begin(), follows.end(), kCageOutside);
   // Of nodes that share a cube with another at their point: kCageInside. Cells of a cube lie together.
   for (std::uint32_t first = 0, i = 0; i < cell_count_; ++i) {
-    if (cell(i)[0] != cell(first)[0]) first = i;
+    if (placeOf(i) != placeOf(first)) first = i;
     for (int corner = 0; corner < 8; ++corner)
       if (node(i, corner) != node(first, corner))
         follows[node(i, corner)] = follows[node(first, corner)] = kCageInside;
