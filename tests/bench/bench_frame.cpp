@@ -110,6 +110,40 @@ void reportSwept(Report& out, int rounds) {
   }
 }
 
+// Swept ones of three spans, and the same in cages whose nodes the host writes.
+void reportCaged(Report& out, int rounds) {
+  const Library libraries[] = {Library(1, Bend::kSweep, true), Library(1, Bend::kSweep, true, 4)};
+  Field swept(libraries[0]), caged(libraries[1]);
+  const gl::View view = fieldView({0, 25, 62}, {0, 0, 0});
+  gl::Stats seen[2];
+  std::vector<Row> rows;
+  rows.push_back({"swept: reset + addClip", [&] { swept.crowd.update(); }});
+  rows.push_back({"swept: draw()", [&] {
+                    test::FakeGl::current() = &swept.fake;
+                    seen[0] = *swept.renderer->draw(view, swept.crowd.instances);
+                  }});
+  rows.push_back({"caged: nodes copied", [&] { caged.crowd.writeNodes(); }});
+  rows.push_back({"caged: draw()", [&] {
+                    test::FakeGl::current() = &caged.fake;
+                    seen[1] = *caged.renderer->draw(view, caged.crowd.instances);
+                  }});
+  measure(rows, rounds);
+  double nodes = 0;
+  for (const std::vector<glm::vec3>& of : caged.crowd.nodes) nodes += static_cast<double>(of.size());
+  const double both = median(rows[0].ns) + median(rows[1].ns);
+  std::printf(
+      "\n%zu instances: swept of 3 spans, %u drawn; caged, of %.0f nodes in the mean, %u drawn\n\n"
+      "| | ns an instance | over swept |\n|---|---|---|\n",
+      kInstances, seen[0].instances, nodes / static_cast<double>(caged.crowd.nodes.size()),
+      seen[1].instances);
+  const auto print = [&](const char* name, double ns) {
+    std::printf("| %s | %.0f | %.2f |\n", name, ns, ns / both);
+    out.add(std::string("cpu, ") + name, ns / both);
+  };
+  for (const Row& row : rows) print(row.name, median(row.ns));
+  print("caged: both", median(rows[2].ns) + median(rows[3].ns));
+}
+
 // Foxes that run and the same ones that stand still.
 void reportFoxes(Report& out, const Foxes& foxes, int rounds) {
   Field still(foxes.still, Foxes::kCount), playing(foxes.playing, Foxes::kCount, foxes.run);
@@ -232,6 +266,7 @@ int run(int count, char** words) {
     reportCpu(report, 1, rounds);
     reportCpu(report, 3, rounds);
     reportSwept(report, rounds);
+    reportCaged(report, rounds);
   }
   if (cpu && foxes) reportFoxes(report, *foxes, rounds);
   if (gl) reportGl(report, foxes.get(), foxes_only, size, std::min(rounds, 3));  // some frames take seconds
