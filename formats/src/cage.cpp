@@ -20,17 +20,18 @@ Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int leve
     return words * sizeof(std::uint32_t) + maker.transientBytes() <= max_bytes;
   };
   constexpr Error kTooLarge{ErrorCode::kLimit, "a cage takes more memory than the limits allow"};
-  if (!fits(maker.wordsFor(0))) return kTooLarge;
+  if (!fits(maker.wordsFor(0) + maker.leafSlots())) return kTooLarge;
   Buffer<std::uint32_t> cells(memory.words.allocator());
   if (!cells.reset(std::uint64_t{kCageCellWords} * maker.cells())) return kNoMemory;
   if (const Result<void> r = maker.connect(cells.span()); !r) return r.error();
   const std::uint64_t followers = finer ? maker.nodes() : 0;
-  if (!fits(maker.words() + maker.nodes() + followers)) return kTooLarge;
+  if (!fits(maker.words() + maker.nodes() + followers + maker.leafSlots())) return kTooLarge;
   if (!memory.words.reset(maker.words()) || !memory.places.reset(maker.nodes()) ||
-      !memory.follows.reset(followers))
+      !memory.follows.reset(followers) || !memory.leaves.reset(maker.leafSlots()))
     return kNoMemory;
   std::copy(cells.begin(), cells.end(), memory.words.begin() + kCageHeader);
-  return maker.write(memory.words.span(), memory.places.span(), memory.follows.span(), finer);
+  return maker.write(memory.words.span(), memory.places.span(), memory.follows.span(), finer,
+                     memory.leaves.span());
 }
 
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) {

@@ -55,8 +55,10 @@ class CageSteps {
         stack[top++] = 2 * node + 1;
         continue;
       }
-      const auto first = static_cast<std::uint32_t>(2 * (node - leaves));
-      for (cell_ = first; cell_ < std::min(first + 2, context_.cage_words[0]); ++cell_) {
+      const auto first = kLeafCells * static_cast<std::size_t>(node - leaves);
+      for (std::size_t i = first; i < first + kLeafCells; ++i) {
+        cell_ = context_.cage_leaf_cells[i];
+        if (cell_ == kCageOutside) continue;
         for (int number = 0; number < 6; ++number) {
           g_ = trace::kelpTetrahedron(context_, trace::kelpCageCell(cell_), number, o_, r_);
           found_ = !g_.turned && holds(g_.f + s * g_.slope);
