@@ -37,18 +37,17 @@ Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int leve
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) {
   const std::uint32_t at = cage.follows[node];
   // In sides of the finer cell.
-  const glm::ivec3 f = (cage.rest(node) - finer.side * finer.place(at)) / finer.side;
-  const auto isCorner = [](int along) { return along == 0 || along == 1; };
-  const bool corner = isCorner(f.x) && isCorner(f.y) && isCorner(f.z);
+  const glm::ivec3 f = cage.rest(node) / finer.side - finer.place(at);
   CageFollow follow;
-  for (int i = 0; i < 8; ++i) {
-    const glm::ivec3 bits(i & 1, i >> 1 & 1, i >> 2);
-    const auto towards = [&](int a) {
-      return (bits[a] == 1 ? 0.25f : -0.25f) * (static_cast<float>(f[a]) - 0.5f);
-    };
-    follow.nodes[i] = finer.node(at, i);
-    follow.weights[i] = corner ? (bits == f ? 1.0f : 0.0f) : 0.125f + towards(0) + towards(1) + towards(2);
+  for (int i = 0; i < 8; ++i) follow.nodes[i] = finer.node(at, i);
+  if (((f.x | f.y | f.z) & ~1) == 0) {  // a corner
+    for (int i = 0; i < 8; ++i) follow.weights[i] = i == (f.x | f.y << 1 | f.z << 2) ? 1.0f : 0.0f;
+    return follow;
   }
+  const glm::vec3 towards = 0.25f * (glm::vec3(f) - 0.5f);
+  for (int i = 0; i < 8; ++i)
+    follow.weights[i] = 0.125f + (i & 1 ? towards.x : -towards.x) + (i & 2 ? towards.y : -towards.y) +
+                        (i & 4 ? towards.z : -towards.z);
   return follow;
 }
 

@@ -151,9 +151,9 @@ void placeCoarser(const Pose& pose, int part, std::span<const Cage> cages, int c
     const glm::vec3* const from = in[cage - 1].nodes;
     for (std::uint32_t i = 0; i < in[cage].node_count; ++i) {
       const CageFollow follow = cageFollows(coarser, i, finer);
-      glm::vec3 at(0);
-      for (int k = 0; k < 8; ++k) at += follow.weights[k] * from[follow.nodes[k]];
-      in[cage].nodes[i] = at;
+      Lanes at = 0.0f;
+      for (int k = 0; k < 8; ++k) at = at + follow.weights[k] * Lanes::load(&from[follow.nodes[k]].x);
+      in[cage].nodes[i] = cornerOf(at);
     }
     return true;
   });
