@@ -82,7 +82,7 @@ RawPack packOf(const Kind& kind, int which, int parts, Bend bend) {
 
 Library::Library(int parts, Bend bend, bool slender, int cell) {
   for (Kind kind : kKinds) {
-    if (slender) kind.size = {14, 64, 14}, kind.knots = 4;
+    if (slender) kind.size = {14, cell > 0 ? 128 : 64, 14}, kind.knots = 4;
     RawPack pack = packOf(kind, static_cast<int>(assets_.size()) + 1, parts, bend);
     add(cell > 0 ? test::caged(std::move(pack), cell) : pack);
   }

@@ -14,7 +14,7 @@ namespace kelp::bench {
 // samples/models have them. All in memory. `slender`: of four knots each, so slender that all can be swept.
 class Library {
  public:
-  // cell: of the cages around their parts; 0: they have none.
+  // cell: of the cages around their parts, and slender ones are twice as tall; 0: they have none.
   explicit Library(int parts, Bend bend = Bend::kShear, bool slender = false, int cell = 0);
   explicit Library(const RawPack& pack);  // of this one asset
   const runtime::Asset& operator[](std::size_t i) const { return *assets_[i].asset; }
