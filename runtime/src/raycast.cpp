@@ -161,7 +161,7 @@ struct BentPart {
     cage.cage = nullptr;
     if (!through) return posed.isSwept() ? sweep(posed) : shear(posed.knots);
     const Result<PosedCage> caged =
-        posedCage(instance, index, static_cast<int>(through - part->cages.data()), true);
+        posedCage(instance, index, static_cast<int>(through - part->cages.data()), CageUse::kTree);
     if (!caged) return false;
     cage = *caged;
     bounds = cage.bounds;

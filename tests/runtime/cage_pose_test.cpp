@@ -441,6 +441,7 @@ TEST(CagePose, BoxesHoldTheirCells) {
       for (std::size_t box = 1; box < used.size(); ++box)
         ASSERT_EQ(posed.tree[box].min == glm::vec3(kNowhere), !used[box]);
       EXPECT_EQ(posed.bounds.min, posed.tree[1].min);
+      EXPECT_EQ(posed.bounds.max, posed.tree[1].max);
       EXPECT_EQ(posed.inverted_count, inverted) << "nothing is too near to tell here";
       inverted_in_all += inverted;
     }
@@ -464,7 +465,7 @@ TEST(CagePose, ThreadsAskAtOnce) {
       threads.emplace_back([&, t] {
         const auto first = static_cast<int>(t);
         for (int c = 0; c < cages; ++c) {
-          const PosedCage posed = posedCage(instance, 0, (first + c) % cages, true).value();
+          const PosedCage posed = posedCage(instance, 0, (first + c) % cages, CageUse::kTree).value();
           EXPECT_FALSE(posed.tree[1].empty());
         }
         seen[t] = readNodes(pose);
@@ -491,7 +492,7 @@ TEST(CagePose, TheAssetMakesItsPoseWhenItIsUsed) {
   memory.refuse_at = memory.requests;
   EXPECT_EQ(posedCage({asset.get()}, 0, 0).error().code, ErrorCode::kOutOfMemory);
   EXPECT_EQ(asset->memory(), before);
-  const PosedCage posed = posedCage({asset.get()}, 0, 0, true).value();
+  const PosedCage posed = posedCage({asset.get()}, 0, 0, CageUse::kTree).value();
   EXPECT_GT(asset->memory(), before + posed.nodes.size_bytes() + posed.tree.size_bytes());
   const std::size_t requests = memory.requests;
   EXPECT_EQ(posedCage({asset.get()}, 0, 0)->nodes.data(), posed.nodes.data());

@@ -42,7 +42,7 @@ struct CagedAsset {
   Instance instance(const Pose& pose) const { return {loaded.asset.get(), &pose}; }
   // With its tree.
   PosedCage posed(const Pose& pose, int cage = 0) const {
-    return posedCage(instance(pose), 0, cage, true).value();
+    return posedCage(instance(pose), 0, cage, CageUse::kTree).value();
   }
   // Part space -> the world, with the identity as matrix.
   glm::vec3 toObject(const glm::vec3& voxels) const { return part().to_object * glm::vec4(voxels, 1); }

@@ -156,7 +156,7 @@ glm::uvec4* DrawList::writeSpline(const Frame& frame, const Candidate& candidate
     runtime::PosedCage posed_cage = candidate.posed[which];
     if (traced || frame.hasTrees())  // its pose was good when it was bounded
       posed_cage = runtime::posedCage(*candidate.instance, static_cast<int>(candidate.part),
-                                      candidate.cage + which, true)
+                                      candidate.cage + which, runtime::CageUse::kTree)
                        .value();
     out = writeCage(posed_cage, out);
   } else if (candidate.arcs > 0) {

@@ -93,6 +93,17 @@ void addInverted(const FourCells& four, unsigned lanes, CageInPose& cage) {
   }
 }
 
+// One float more is read after the last node.
+Box boxAround(std::span<const glm::vec3> nodes) {
+  Lanes low = INFINITY, high = -INFINITY;
+  for (const glm::vec3& node : nodes) {
+    const Lanes at = Lanes::load(&node.x);
+    low = min(at, low);
+    high = max(at, high);
+  }
+  return {cornerOf(low), cornerOf(high)};
+}
+
 // The box around all nodes, and the inverted tetrahedra.
 void boundCells(const Cage& cage, CageInPose& posed) {
   posed.inverted = Box{};
@@ -161,7 +172,7 @@ void placeCoarser(const Pose& pose, int part, std::span<const Cage> cages, int c
 
 }  // namespace
 
-Result<PosedCage> posedCage(const Instance& instance, int part, int cage, bool tree) {
+Result<PosedCage> posedCage(const Instance& instance, int part, int cage, CageUse use) {
   if (!instance.asset || part < 0 || static_cast<std::size_t>(part) >= instance.asset->pack().parts().size())
     return Error{ErrorCode::kMisuse, "there is no such part"};
   const std::span<const Cage> cages = instance.asset->pack().parts()[static_cast<std::size_t>(part)].cages;
@@ -179,6 +190,11 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage, bool t
   }
   CageInPose& in = nodes->cages[static_cast<std::size_t>(cage)];
   if (!PoseCages::place(pose, part)) return nodes->failure;
+  if (use == CageUse::kBounds && cage == 0 && !in.bounded.isMade(nodes->placements)) {
+    if (const Result<void> sound = PoseCages::check(pose, part); !sound) return sound.error();
+    const std::span<const glm::vec3> placed(in.nodes, in.node_count);
+    return PosedCage{&of, placed, boxAround(placed), {}, 0, {}, in.leaves};
+  }
   const bool made = in.bounded.make(nodes->placements, [&] {
     if (!PoseCages::check(pose, part)) return false;
     placeCoarser(pose, part, cages, cage);
@@ -188,7 +204,7 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage, bool t
   if (!made) return PoseCages::check(pose, part).error();
   PosedCage posed_cage{&of,      {in.nodes, in.node_count}, in.bounds, in.inverted, in.inverted_count, {},
                        in.leaves};
-  if (!tree) return posed_cage;
+  if (use != CageUse::kTree) return posed_cage;
   in.grown.make(nodes->placements, [&] {
     growTree(of, in);
     return true;

@@ -15,6 +15,10 @@ namespace kelp::runtime {
 
 inline constexpr float kNowhere = 1e38f;  // both corners of a box without cells: no ray comes there
 
+// How much of a posed cage is made: its nodes and the box around them; the inverted tetrahedra too; the tree,
+// for rays, too.
+enum class CageUse { kBounds, kCells, kTree };
+
 // Valid until the pose changes.
 struct PosedCage {
   const Cage* cage = nullptr;
@@ -33,7 +37,7 @@ struct PosedCage {
 // kFolds, kNotMonotone: the spline that the nodes follow takes no point anywhere. kMisuse: a node that the
 // host wrote is no finite number, or farther away than 2^20 times the part's longest side; `offset` is its
 // number. kMisuse also if there is no such part, cage or node in the pose. kOutOfMemory: for the pose of
-// instances without one, which the asset makes at its first use. tree: PosedCage::tree too, for rays.
-Result<PosedCage> posedCage(const Instance& instance, int part, int cage, bool tree = false);
+// instances without one, which the asset makes at its first use.
+Result<PosedCage> posedCage(const Instance& instance, int part, int cage, CageUse use = CageUse::kCells);
 
 }  // namespace kelp::runtime
