@@ -8,7 +8,8 @@
 //   KELP_NODE(i)           vec3: where node i is, part space; i is uint
 //   KELP_CAGE_LOW(i), KELP_CAGE_HIGH(i)   vec3: box i of the tree (kelp/cages/posed_cage.h); i is int
 //   KELP_CAGE_LEAVES       int: leaves of the tree; 0: there is none, and kelpTraceCaged finds nothing
-//   KELP_LEAF_CELLS        cells of a leaf
+//   KELP_LEAF_CELLS        most cells of a leaf
+//   KELP_LEAF_CELL(i)      uint: cell i of the leaves, KELP_LEAF_CELLS for each; KELP_CAGE_OUTSIDE: none
 //   KELP_CAGE_FOLD_LOW, KELP_CAGE_FOLD_HIGH  vec3: a box around the inverted tetrahedra; low > high: none
 // KELP_COARSER counts levels that the same cage serves.
 //

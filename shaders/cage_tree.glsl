@@ -51,28 +51,118 @@ struct KelpCageSearch {
 KELP_FN float kelpSearchEnd(KelpCageSearch found) {
   return max(found.hit.s, min(found.first, found.emerges));
 }
-// The six tetrahedra of a cell. per: 1 / r.
-KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, vec3 o, vec3 r, vec3 per, float s_min,
+// A ray, and two directions across it: u, v and r are a right-handed system.
+struct KelpSight {
+  vec3 o;
+  vec3 r;
+  vec3 per;     // 1 / r
+  vec3 o_low;   // o from the low and the high sides of boxes, which are larger by KELP_ERODE
+  vec3 o_high;
+  vec3 u;
+  vec3 v;
+};
+KELP_FN KelpSight kelpSightAlong(vec3 o, vec3 r) {
+  KelpSight ray;
+  ray.o = o;
+  ray.r = r;
+  ray.per = kelpPerDirection(r);
+  ray.o_low = o + vec3(KELP_ERODE);
+  ray.o_high = o - vec3(KELP_ERODE);
+  // Duff et al., "Building an Orthonormal Basis, Revisited".
+  float sign = r.z < 0.0f ? -1.0f : 1.0f;
+  float a = -1.0f / (sign + r.z);
+  float b = r.x * r.y * a;
+  ray.u = vec3(1.0f + sign * r.x * r.x * a, sign * b, -sign * r.x);
+  ray.v = vec3(b, sign + r.y * r.y * a, -r.y);
+  return ray;
+}
+// As kelpBoxRange.
+KELP_FN vec2 kelpSightRange(KelpSight ray, vec3 low, vec3 high, vec2 range) {
+  vec3 a = (low - ray.o_low) * ray.per;
+  vec3 b = (high - ray.o_high) * ray.per;
+  vec3 first = min(a, b);
+  vec3 last = max(a, b);
+  return vec2(max(max(first.x, first.y), max(first.z, range.x)),
+              min(min(last.x, last.y), min(last.z, range.y)));
+}
+// Seen along a ray that goes through the origin: a point; twice the area of the triangle origin, a, b; and
+// if the ray may go through a triangle, by those of its edges.
+KELP_FN vec2 kelpSeen(KelpSight ray, vec3 x) { return vec2(dot(x, ray.u), dot(x, ray.v)); }
+KELP_FN float kelpTurn(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
+KELP_FN bool kelpPierces(float a, float b, float c, float slack) {
+  return min(a, min(b, c)) >= -slack || max(a, max(b, c)) <= slack;
+}
+// Which tetrahedra of a cell a ray's line may meet: bits by their numbers. And all numbers, 4 bits each, in
+// the order in which a ray meets them where the cell is affine: it crosses each of the planes between two
+// axes once, so those come first whose axes ascend by the ray's speed.
+struct KelpSixth {
+  int meets;
+  uint order;
+};
+// c: the corners, seen. All six have the diagonal in common, and corners 1, 3, 2, 6, 4, 5 are around it. A
+// line through a tetrahedron goes through two of its faces: so through one of the two at the diagonal, or the
+// one at corner 0.
+KELP_FN KelpSixth kelpSeenCell(vec2 c[8], float slack) {
+  float d = kelpTurn(c[7], c[0]);
+  vec2 e1 = vec2(kelpTurn(c[0], c[1]), kelpTurn(c[1], c[7]));
+  vec2 e2 = vec2(kelpTurn(c[0], c[2]), kelpTurn(c[2], c[7]));
+  vec2 e3 = vec2(kelpTurn(c[0], c[3]), kelpTurn(c[3], c[7]));
+  vec2 e4 = vec2(kelpTurn(c[0], c[4]), kelpTurn(c[4], c[7]));
+  vec2 e5 = vec2(kelpTurn(c[0], c[5]), kelpTurn(c[5], c[7]));
+  vec2 e6 = vec2(kelpTurn(c[0], c[6]), kelpTurn(c[6], c[7]));
+  bool t1 = kelpPierces(e1.x, e1.y, d, slack);
+  bool t2 = kelpPierces(e2.x, e2.y, d, slack);
+  bool t3 = kelpPierces(e3.x, e3.y, d, slack);
+  bool t4 = kelpPierces(e4.x, e4.y, d, slack);
+  bool t5 = kelpPierces(e5.x, e5.y, d, slack);
+  bool t6 = kelpPierces(e6.x, e6.y, d, slack);
+  KelpSixth seen;
+  seen.meets = 0;
+  if (t1 || t3 || kelpPierces(e1.x, kelpTurn(c[1], c[3]), -e3.x, slack)) seen.meets += 1;
+  if (t1 || t5 || kelpPierces(e1.x, kelpTurn(c[1], c[5]), -e5.x, slack)) seen.meets += 2;
+  if (t2 || t3 || kelpPierces(e2.x, kelpTurn(c[2], c[3]), -e3.x, slack)) seen.meets += 4;
+  if (t2 || t6 || kelpPierces(e2.x, kelpTurn(c[2], c[6]), -e6.x, slack)) seen.meets += 8;
+  if (t4 || t5 || kelpPierces(e4.x, kelpTurn(c[4], c[5]), -e5.x, slack)) seen.meets += 16;
+  if (t4 || t6 || kelpPierces(e4.x, kelpTurn(c[4], c[6]), -e6.x, slack)) seen.meets += 32;
+  // Up to length, the speeds along x and y, x and z, y and z, the one less the other.
+  bool xy = e3.x + e3.y > e4.x + e4.y;
+  bool xz = e2.x + e2.y > e5.x + e5.y;
+  bool yz = e6.x + e6.y > e1.x + e1.y;
+  seen.order = xy ? (yz ? 0x021435u : (xz ? 0x140523u : 0x415032u)) : 0u;
+  if (!xy) seen.order = !yz ? 0x543210u : (xz ? 0x230514u : 0x325041u);
+  return seen;
+}
+// The tetrahedra of a cell.
+KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, KelpSight ray, float s_min,
                                      KelpCageSearch before) {
   KelpCageSearch found = before;
   uint at = kelpCageCell(cell);
-  vec3 low = vec3(KELP_NEVER);
-  vec3 high = vec3(-KELP_NEVER);
-  for (uint i = 0u; i < 8u; ++i) {
-    vec3 x = KELP_NODE(kelpCageNode(KELP_CONTEXT at, i));
-    low = min(low, x);
-    high = max(high, x);
+  vec3 x[8];
+  for (uint i = 0u; i < 4u; ++i) {
+    uint pair = KELP_CAGE_WORD(at + 2u + i);
+    uint node = pair & 0x3fffffu;
+    x[2u * i] = KELP_NODE(node);
+    x[2u * i + 1u] = KELP_NODE(node + (pair >> 22u));
   }
-  vec2 in_box = kelpBoxRange(low, high, o, per, vec2(s_min, kelpSearchEnd(found)));
+  vec3 low = min(min(min(x[0], x[1]), min(x[2], x[3])), min(min(x[4], x[5]), min(x[6], x[7])));
+  vec3 high = max(max(max(x[0], x[1]), max(x[2], x[3])), max(max(x[4], x[5]), max(x[6], x[7])));
+  vec2 in_box = kelpSightRange(ray, low, high, vec2(s_min, kelpSearchEnd(found)));
   if (!(in_box.x <= in_box.y)) return found;
   // From here s begins where the ray enters that box, so that numbers are small.
   float from = in_box.x;
-  vec3 p = o + from * r;
+  vec3 p = ray.o + from * ray.r;
   float start = s_min - from;
   float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
   float slack = KELP_CAGE_SLACK / side;
-  for (int number = 0; number < 6; ++number) {
-    KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, p, r);
+  vec2 seen[8];
+  for (int i = 0; i < 8; ++i) seen[i] = kelpSeen(ray, x[i] - p);
+  // A point of a grown tetrahedron is closer to it than 4 slacks of its longest edge.
+  vec3 extent = high - low;
+  KelpSixth sixth = kelpSeenCell(seen, (4.0f * slack + 1e-5f) * dot(extent, extent));
+  for (int i = 0; i < 6; ++i) {
+    int number = int((sixth.order >> uint(4 * i)) & 7u);
+    if (((sixth.meets >> number) & 1) == 0) continue;
+    KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, p, ray.r);
     KelpCrossing c;
     c.s = vec2(-KELP_NEVER, KELP_NEVER);
     c.grown = c.s;
@@ -108,8 +198,8 @@ KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, vec3 o, vec3 r, ve
 }
 
 // The first solid voxel of a caged part along o + s r, s in [s_min, s_max]; o and r as in kelpTrace. Exact in
-// every pose: it walks down the tree, the nearer box first, and tests all tetrahedra of the cells that it
-// comes to. Bit i of `farther`: i levels above there is a farther box to come back to.
+// every pose: it walks down the tree, the nearer box first, and tests all tetrahedra that its line meets of
+// the cells that it comes to. Bit i of `farther`: i levels above there is a farther box to come back to.
 // Cells do not fill the solid: a ray that begins in the inside first meets a tetrahedron from there, before
 // the box around inverted ones.
 KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
@@ -126,7 +216,7 @@ KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
   // From where it meets inverted tetrahedra nothing can be said; out of the bounds it cannot begin inside.
   if (fold.x <= fold.y && fold.y >= s_min) found.first = fold.x;
   if (max(beside.x, max(beside.y, beside.z)) > 0.0f) found.first = -KELP_NEVER;
-  vec3 per = kelpPerDirection(r);
+  KelpSight ray = kelpSightAlong(o, r);
   int leaves = KELP_CAGE_LEAVES;
   uint cells = KELP_CAGE_WORD(0u);
   int node = 1;
@@ -137,8 +227,8 @@ KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
     while (down && node < leaves) {
       vec2 range = vec2(s_min, kelpSearchEnd(found));
       int left = 2 * node;
-      vec2 in_left = kelpBoxRange(KELP_CAGE_LOW(left), KELP_CAGE_HIGH(left), o, per, range);
-      vec2 in_right = kelpBoxRange(KELP_CAGE_LOW(left + 1), KELP_CAGE_HIGH(left + 1), o, per, range);
+      vec2 in_left = kelpSightRange(ray, KELP_CAGE_LOW(left), KELP_CAGE_HIGH(left), range);
+      vec2 in_right = kelpSightRange(ray, KELP_CAGE_LOW(left + 1), KELP_CAGE_HIGH(left + 1), range);
       found.hit.outside += 2;
       bool meets_left = in_left.x <= in_left.y;
       bool meets_right = in_right.x <= in_right.y;
@@ -150,10 +240,9 @@ KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
       }
     }
     if (down) {
-      uint cell = uint(KELP_LEAF_CELLS * (node - leaves));
       for (int i = 0; i < KELP_LEAF_CELLS; ++i) {
-        if (cell < cells) found = kelpTraceCell(KELP_CONTEXT cell, o, r, per, s_min, found);
-        ++cell;
+        uint cell = KELP_LEAF_CELL(KELP_LEAF_CELLS * (node - leaves) + i);
+        if (cell < cells) found = kelpTraceCell(KELP_CONTEXT cell, ray, s_min, found);
       }
       ++found.hit.outside;
     }

@@ -254,6 +254,7 @@ int kelpRecordEnd() {
 #define KELP_CAGE_LOW(i) kelpRecord(kelpTreeAt() + 2 * (i)).xyz
 #define KELP_CAGE_HIGH(i) kelpRecord(kelpTreeAt() + 2 * (i) + 1).xyz
 #define KELP_CAGE_LEAVES kelpCageLeaves()
+#define KELP_LEAF_CELL(i) kelpRecordBits(kelpTreeAt() + 2 * kelpCageLeaves() + (i)).w
 #define KELP_CAGE_FOLD_LOW kelpRecord(kelp_record + KELP_RECORD).xyz
 #define KELP_CAGE_FOLD_HIGH kelpRecord(kelp_record + KELP_RECORD + 1).xyz
 #define KELP_LEAF_CELLS 2

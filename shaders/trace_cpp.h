@@ -12,6 +12,16 @@ namespace kelp::trace {
 
 using namespace glm;
 
+// As GLM's, of which gcc does not inline those for vectors.
+using glm::max;
+using glm::min;
+inline vec3 min(const vec3& a, const vec3& b) {
+  return {b.x < a.x ? b.x : a.x, b.y < a.y ? b.y : a.y, b.z < a.z ? b.z : a.z};
+}
+inline vec3 max(const vec3& a, const vec3& b) {
+  return {a.x < b.x ? b.x : a.x, a.y < b.y ? b.y : a.y, a.z < b.z ? b.z : a.z};
+}
+
 struct Context;
 
 #define KELP_FN inline
@@ -31,6 +41,7 @@ struct Context;
 #define KELP_CAGE_LOW(i) kelp_context.cage_boxes[2 * (i)]
 #define KELP_CAGE_HIGH(i) kelp_context.cage_boxes[2 * (i) + 1]
 #define KELP_CAGE_LEAVES kelp_context.cage_leaves
+#define KELP_LEAF_CELL(i) kelp_context.cage_leaf_cells[i]
 #define KELP_CAGE_FOLD_LOW kelp_context.fold_min
 #define KELP_CAGE_FOLD_HIGH kelp_context.fold_max
 #define KELP_LEAF_CELLS 2
@@ -80,7 +91,8 @@ struct Context {
   const vec3* nodes = nullptr;
   const vec3* cage_boxes = nullptr;  // of the tree: box i is from 2 i to 2 i + 1
   int cage_leaves = 0;
-  vec3 fold_min{1.0f};  // around inverted tetrahedra; min > max: there are none
+  const std::uint32_t* cage_leaf_cells = nullptr;  // Cage::leaves
+  vec3 fold_min{1.0f};                             // around inverted tetrahedra; min > max: there are none
   vec3 fold_max{-1.0f};
   vec3 bounds_min{0.0f};
   vec3 bounds_max{0.0f};
@@ -146,6 +158,7 @@ inline uint codeAt(const Context& context, int above, uint brick, ivec3 v) {
 #undef KELP_CAGE_LOW
 #undef KELP_CAGE_HIGH
 #undef KELP_CAGE_LEAVES
+#undef KELP_LEAF_CELL
 #undef KELP_CAGE_FOLD_LOW
 #undef KELP_CAGE_FOLD_HIGH
 #undef KELP_LEAF_CELLS

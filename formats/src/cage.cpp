@@ -20,34 +20,34 @@ Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int leve
     return words * sizeof(std::uint32_t) + maker.transientBytes() <= max_bytes;
   };
   constexpr Error kTooLarge{ErrorCode::kLimit, "a cage takes more memory than the limits allow"};
-  if (!fits(maker.wordsFor(0))) return kTooLarge;
+  if (!fits(maker.wordsFor(0) + maker.leafSlots())) return kTooLarge;
   Buffer<std::uint32_t> cells(memory.words.allocator());
   if (!cells.reset(std::uint64_t{kCageCellWords} * maker.cells())) return kNoMemory;
   if (const Result<void> r = maker.connect(cells.span()); !r) return r.error();
   const std::uint64_t followers = finer ? maker.nodes() : 0;
-  if (!fits(maker.words() + maker.nodes() + followers)) return kTooLarge;
+  if (!fits(maker.words() + maker.nodes() + followers + maker.leafSlots())) return kTooLarge;
   if (!memory.words.reset(maker.words()) || !memory.places.reset(maker.nodes()) ||
-      !memory.follows.reset(followers))
+      !memory.follows.reset(followers) || !memory.leaves.reset(maker.leafSlots()))
     return kNoMemory;
   std::copy(cells.begin(), cells.end(), memory.words.begin() + kCageHeader);
-  return maker.write(memory.words.span(), memory.places.span(), memory.follows.span(), finer);
+  return maker.write(memory.words.span(), memory.places.span(), memory.follows.span(), finer,
+                     memory.leaves.span());
 }
 
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) {
   const std::uint32_t at = cage.follows[node];
   // In sides of the finer cell.
-  const glm::ivec3 f = (cage.rest(node) - finer.side * finer.place(at)) / finer.side;
-  const auto isCorner = [](int along) { return along == 0 || along == 1; };
-  const bool corner = isCorner(f.x) && isCorner(f.y) && isCorner(f.z);
+  const glm::ivec3 f = cage.rest(node) / finer.side - finer.place(at);
   CageFollow follow;
-  for (int i = 0; i < 8; ++i) {
-    const glm::ivec3 bits(i & 1, i >> 1 & 1, i >> 2);
-    const auto towards = [&](int a) {
-      return (bits[a] == 1 ? 0.25f : -0.25f) * (static_cast<float>(f[a]) - 0.5f);
-    };
-    follow.nodes[i] = finer.node(at, i);
-    follow.weights[i] = corner ? (bits == f ? 1.0f : 0.0f) : 0.125f + towards(0) + towards(1) + towards(2);
+  for (int i = 0; i < 8; ++i) follow.nodes[i] = finer.node(at, i);
+  if (((f.x | f.y | f.z) & ~1) == 0) {  // a corner
+    for (int i = 0; i < 8; ++i) follow.weights[i] = i == (f.x | f.y << 1 | f.z << 2) ? 1.0f : 0.0f;
+    return follow;
   }
+  const glm::vec3 towards = 0.25f * (glm::vec3(f) - 0.5f);
+  for (int i = 0; i < 8; ++i)
+    follow.weights[i] = 0.125f + (i & 1 ? towards.x : -towards.x) + (i & 2 ? towards.y : -towards.y) +
+                        (i & 4 ? towards.z : -towards.z);
   return follow;
 }
 

@@ -9,6 +9,7 @@
 
 #include <glm/common.hpp>
 
+#include "cage_leaves.h"
 #include "kelp/formats/brick.h"
 #include "morton_walk.h"
 
@@ -314,7 +315,8 @@ Result<void> CageMaker::follow(const Cage& finer, std::span<const std::uint32_t>
 }
 
 Result<Cage> CageMaker::write(std::span<std::uint32_t> words, std::span<std::uint32_t> places,
-                              std::span<std::uint32_t> follows, const Cage* finer) {
+                              std::span<std::uint32_t> follows, const Cage* finer,
+                              std::span<std::uint32_t> slots) {
   cells_ = words.subspan(kCageHeader, std::size_t{kCageCellWords} * cell_count_);
   words[0] = cell_count_;
   words[1] = node_count_;
@@ -352,6 +354,9 @@ Result<Cage> CageMaker::write(std::span<std::uint32_t> words, std::span<std::uin
   cage.words = words;
   cage.places = places;
   cage.follows = follows;
+  cage.leaves = slots;
+  // corners_ is needed no more, and has eight for each cell.
+  fillLeaves(cage, {reinterpret_cast<std::uint32_t*>(corners_.data()), cell_count_}, slots);
   return cage;
 }
 

@@ -37,11 +37,12 @@ class CageMaker {
   std::uint64_t words() const { return wordsFor(face_count_); }
   // The words of a cage with so many faces. Call it after count().
   std::uint64_t wordsFor(std::uint64_t faces) const;
+  std::uint64_t leafSlots() const { return std::uint64_t{kLeafCells} * cageLeaves(cell_count_); }
 
   // words: words() of them. The cells are in their place already; the rest is zero. places: nodes() of them.
-  // follows: nodes(), or none for the finest cage. finer: null for that.
+  // follows: nodes(), or none for the finest cage. finer: null for that. slots: leafSlots().
   Result<Cage> write(std::span<std::uint32_t> words, std::span<std::uint32_t> places,
-                     std::span<std::uint32_t> follows, const Cage* finer);
+                     std::span<std::uint32_t> follows, const Cage* finer, std::span<std::uint32_t> slots);
 
  private:
   struct Cube;

@@ -42,7 +42,7 @@ struct CagePlan {
   CageSource source;
   std::uint32_t nodes = 0, faces = 0, split_points = 0, splits = 0, followed = 0;
   std::size_t at = 0;  // its counts in the chunk, their lowest bytes
-  std::uint64_t words = 0;
+  std::uint64_t words = 0, leaf_slots = 0;
 
   bool isFinest() const { return shape.first_level == 0; }
   std::uint32_t followers() const { return isFinest() ? 0 : nodes; }
@@ -158,7 +158,8 @@ Result<void> CageTable::measure() {
     if (!arrays.has(masks)) return too_short;
     plan.source.masks = arrays.bytes(static_cast<std::size_t>(masks));
     plan.words = maker.wordsFor(plan.faces);
-    words += plan.words + plan.nodes + plan.followers();
+    plan.leaf_slots = maker.leafSlots();
+    words += plan.words + plan.nodes + plan.followers() + plan.leaf_slots;
     transient = std::max(transient, maker.transientBytes());
     points += plan.split_points;
     followed += plan.followed;
@@ -193,7 +194,8 @@ Result<void> CageTable::make() {
   for (std::size_t i = 0; i < plans.size(); ++i) {
     CagePlan& plan = plans[i];
     const std::span<std::uint32_t> words = take(memory, plan.words), places = take(memory, plan.nodes),
-                                   follows = take(memory, plan.followers());
+                                   follows = take(memory, plan.followers()),
+                                   slots = take(memory, plan.leaf_slots);
     CageMaker maker(plan.source, plan.shape, out.allocator);
     if (const Result<void> r = maker.count(); !r) return inRecord(r.error(), plan);
     const Result<void> r =
@@ -202,7 +204,7 @@ Result<void> CageTable::make() {
     if (maker.nodes() != plan.nodes || maker.faces() != plan.faces)
       return corrupt("a cage's number of nodes or faces does not follow from its cells", plan.at);
     const Result<Cage> cage =
-        maker.write(words, places, follows, plan.isFinest() ? nullptr : &out.cages[i - 1]);
+        maker.write(words, places, follows, plan.isFinest() ? nullptr : &out.cages[i - 1], slots);
     if (!cage) return inRecord(cage.error(), plan);
     out.cages[i] = *cage;
   }

@@ -161,7 +161,7 @@ struct BentPart {
     cage.cage = nullptr;
     if (!through) return posed.isSwept() ? sweep(posed) : shear(posed.knots);
     const Result<PosedCage> caged =
-        posedCage(instance, index, static_cast<int>(through - part->cages.data()));
+        posedCage(instance, index, static_cast<int>(through - part->cages.data()), CageUse::kTree);
     if (!caged) return false;
     cage = *caged;
     bounds = cage.bounds;
@@ -178,6 +178,7 @@ struct BentPart {
     context.nodes = cage.nodes.data();
     context.cage_boxes = &cage.tree[0].min;
     context.cage_leaves = static_cast<int>(cage.leaves);
+    context.cage_leaf_cells = cage.cage->leaves.data();
     context.fold_min = cage.inverted.min;
     context.fold_max = cage.inverted.max;
   }

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
+#include "support/cage_pack.h"
 #include "support/test_pack.h"
 
 namespace kelp::bench {
@@ -78,10 +80,11 @@ RawPack packOf(const Kind& kind, int which, int parts, Bend bend) {
 
 }  // namespace
 
-Library::Library(int parts, Bend bend, bool slender) {
+Library::Library(int parts, Bend bend, bool slender, int cell) {
   for (Kind kind : kKinds) {
-    if (slender) kind.size = {14, 64, 14}, kind.knots = 4;
-    add(packOf(kind, static_cast<int>(assets_.size()) + 1, parts, bend));
+    if (slender) kind.size = {14, cell > 0 ? 128 : 64, 14}, kind.knots = 4;
+    RawPack pack = packOf(kind, static_cast<int>(assets_.size()) + 1, parts, bend);
+    add(cell > 0 ? test::caged(std::move(pack), cell) : pack);
   }
 }
 
@@ -131,6 +134,17 @@ void Crowd::update() {
     (void)runtime::addClip(*instances[i].asset, clip, seconds + 0.37 * static_cast<double>(i), 1.0f,
                            poses[i]);
   }
+}
+
+void Crowd::writeNodes() {
+  if (nodes.empty()) {
+    for (std::size_t i = 0; i < library.size(); ++i) {
+      const std::span<const glm::vec3> bent = std::as_const(poses[i]).nodes(0);
+      nodes.emplace_back(bent.begin(), bent.end());
+    }
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    std::ranges::copy(nodes[i % nodes.size()], poses[i].nodes(0).begin());
 }
 
 double median(std::vector<double> values) {

@@ -14,7 +14,8 @@ namespace kelp::bench {
 // samples/models have them. All in memory. `slender`: of four knots each, so slender that all can be swept.
 class Library {
  public:
-  explicit Library(int parts, Bend bend = Bend::kShear, bool slender = false);
+  // cell: of the cages around their parts, and slender ones are twice as tall; 0: they have none.
+  explicit Library(int parts, Bend bend = Bend::kShear, bool slender = false, int cell = 0);
   explicit Library(const RawPack& pack);  // of this one asset
   const runtime::Asset& operator[](std::size_t i) const { return *assets_[i].asset; }
   std::size_t size() const { return assets_.size(); }
@@ -36,12 +37,15 @@ struct Crowd {
   Crowd(const Library& assets, std::size_t count, int which_clip = 0);
   // A host's work on each instance in each frame: back to rest, and the clip at a moment of its own.
   void update();
+  // The host writes all nodes of the first part's cage instead: those of the first call.
+  void writeNodes();
 
   const Library& library;
   int clip;
   std::vector<runtime::Pose> poses;
   std::vector<runtime::Instance> instances;
   double seconds = 0;
+  std::vector<std::vector<glm::vec3>> nodes;  // that it writes; of each asset
 };
 
 double median(std::vector<double> values);

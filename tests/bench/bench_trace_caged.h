@@ -28,7 +28,7 @@ class CagedItem {
   void setView(const Rays& rays, int threads);  // which must outlive its drawing
   std::vector<RayCheck> check(int nth, int threads) const;
   std::vector<Count> count(Method method, int threads) const;
-  // Milliseconds, on one thread.
+  // Milliseconds of the processor, on one thread.
   double frame(Method method) const;
 
  private:

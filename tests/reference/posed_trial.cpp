@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "reference/posed_trial.h"
 
-#include <bit>
 #include <cmath>
 
 #include "support/traced_level.h"
@@ -123,27 +122,28 @@ void PosedTrial::makeTruth() {
 }
 
 void PosedTrial::makeTree() {
-  constexpr std::uint32_t kLeaf = 2;
-  const std::uint32_t leaves = std::bit_ceil((cage().cells() + kLeaf - 1) / kLeaf);
-  std::vector<Box> tree(std::size_t{2} * leaves);
+  const std::size_t leaves = cage().leaves.size() / kLeafCells;
+  std::vector<Box> tree(2 * leaves, Box{glm::vec3(1e38f), glm::vec3(1e38f)});
   Box fold;
-  for (std::uint32_t i = 0; i < cage().cells(); ++i) {
-    for (int c = 0; c < 8; ++c) tree[leaves + i / kLeaf].add(nodes_[cage().node(i, c)]);
-    for (int t = 0; t < 6; ++t) {
-      if (!trace::kelpTetrahedron(context_, trace::kelpCageCell(i), t, {}, {}).turned) continue;
-      for (const int c : kCageTetrahedra[t].corners) fold.add(nodes_[cage().node(i, c)]);
+  for (std::size_t i = 0; i < cage().leaves.size(); ++i) {
+    const std::uint32_t cell = cage().leaves[i];
+    if (cell == kCageOutside) continue;
+    Box around;
+    for (int c = 0; c < 8; ++c) around.add(nodes_[cage().node(cell, c)]);
+    for (std::size_t box = leaves + i / kLeafCells; box > 0; box /= 2) {
+      if (tree[box].min.x == 1e38f) tree[box] = Box{};
+      tree[box].add(around.min);
+      tree[box].add(around.max);
     }
-  }
-  for (std::uint32_t i = leaves - 1; i > 0; --i) {
-    for (const Box& child : {tree[std::size_t{2} * i], tree[std::size_t{2} * i + 1]}) {
-      if (child.empty()) continue;
-      tree[i].add(child.min);
-      tree[i].add(child.max);
+    for (int t = 0; t < 6; ++t) {
+      if (!trace::kelpTetrahedron(context_, trace::kelpCageCell(cell), t, {}, {}).turned) continue;
+      for (const int c : kCageTetrahedra[t].corners) fold.add(nodes_[cage().node(cell, c)]);
     }
   }
   for (const Box& box : tree) boxes_.push_back(box.min), boxes_.push_back(box.max);
   context_.cage_boxes = boxes_.data();
   context_.cage_leaves = static_cast<int>(leaves);
+  context_.cage_leaf_cells = cage().leaves.data();
   context_.fold_min = fold.min;
   context_.fold_max = fold.max;
 }

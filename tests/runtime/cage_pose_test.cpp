@@ -405,16 +405,22 @@ TEST(CagePose, BoxesHoldTheirCells) {
       const PosedCage posed = asset.posed(pose, static_cast<int>(c));
       const Cage& cage = *posed.cage;
       ASSERT_EQ(posed.tree.size(), 2 * posed.leaves);
-      ASSERT_GE(posed.leaves * kLeafCells, cage.cells());
+      ASSERT_EQ(cage.leaves.size(), posed.leaves * kLeafCells);
       const auto holds = [](const Box& box, const glm::vec3& p) {
         return glm::all(glm::lessThanEqual(box.min, p)) && glm::all(glm::lessThanEqual(p, box.max));
       };
       std::vector<bool> used(posed.tree.size());
       std::uint32_t inverted = 0;
-      for (std::uint32_t i = 0; i < cage.cells(); ++i) {
+      std::vector<bool> seen(cage.cells());
+      for (std::size_t i = 0; i < cage.leaves.size(); ++i) {
+        const std::uint32_t cell = cage.leaves[i];
+        if (cell == kCageOutside) continue;
+        ASSERT_LT(cell, cage.cells());
+        ASSERT_FALSE(seen[cell]);
+        seen[cell] = true;
         std::uint32_t corners[8];
-        for (int k = 0; k < 8; ++k) corners[k] = cage.node(i, k);
-        for (std::uint32_t box = posed.leaves + i / kLeafCells; box > 0; box /= 2) {
+        for (int k = 0; k < 8; ++k) corners[k] = cage.node(cell, k);
+        for (std::size_t box = posed.leaves + i / kLeafCells; box > 0; box /= 2) {
           used[box] = true;
           for (int k = 0; k < 8; ++k) ASSERT_TRUE(holds(posed.tree[box], posed.nodes[corners[k]]));
         }
@@ -431,9 +437,11 @@ TEST(CagePose, BoxesHoldTheirCells) {
           for (const glm::dvec3& corner : p) ASSERT_TRUE(holds(posed.inverted, glm::vec3(corner)));
         }
       }
+      ASSERT_EQ(std::count(seen.begin(), seen.end(), false), 0);
       for (std::size_t box = 1; box < used.size(); ++box)
         ASSERT_EQ(posed.tree[box].min == glm::vec3(kNowhere), !used[box]);
       EXPECT_EQ(posed.bounds.min, posed.tree[1].min);
+      EXPECT_EQ(posed.bounds.max, posed.tree[1].max);
       EXPECT_EQ(posed.inverted_count, inverted) << "nothing is too near to tell here";
       inverted_in_all += inverted;
     }
@@ -457,7 +465,7 @@ TEST(CagePose, ThreadsAskAtOnce) {
       threads.emplace_back([&, t] {
         const auto first = static_cast<int>(t);
         for (int c = 0; c < cages; ++c) {
-          const PosedCage posed = posedCage(instance, 0, (first + c) % cages).value();
+          const PosedCage posed = posedCage(instance, 0, (first + c) % cages, CageUse::kTree).value();
           EXPECT_FALSE(posed.tree[1].empty());
         }
         seen[t] = readNodes(pose);
@@ -484,7 +492,7 @@ TEST(CagePose, TheAssetMakesItsPoseWhenItIsUsed) {
   memory.refuse_at = memory.requests;
   EXPECT_EQ(posedCage({asset.get()}, 0, 0).error().code, ErrorCode::kOutOfMemory);
   EXPECT_EQ(asset->memory(), before);
-  const PosedCage posed = posedCage({asset.get()}, 0, 0).value();
+  const PosedCage posed = posedCage({asset.get()}, 0, 0, CageUse::kTree).value();
   EXPECT_GT(asset->memory(), before + posed.nodes.size_bytes() + posed.tree.size_bytes());
   const std::size_t requests = memory.requests;
   EXPECT_EQ(posedCage({asset.get()}, 0, 0)->nodes.data(), posed.nodes.data());

@@ -40,7 +40,10 @@ struct CagedAsset {
   const Part& part() const { return loaded.asset->pack().parts()[0]; }
   Pose pose() const { return Pose::create(*loaded.asset).value(); }
   Instance instance(const Pose& pose) const { return {loaded.asset.get(), &pose}; }
-  PosedCage posed(const Pose& pose, int cage = 0) const { return posedCage(instance(pose), 0, cage).value(); }
+  // With its tree.
+  PosedCage posed(const Pose& pose, int cage = 0) const {
+    return posedCage(instance(pose), 0, cage, CageUse::kTree).value();
+  }
   // Part space -> the world, with the identity as matrix.
   glm::vec3 toObject(const glm::vec3& voxels) const { return part().to_object * glm::vec4(voxels, 1); }
 

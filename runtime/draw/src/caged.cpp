@@ -12,7 +12,7 @@ const Error* DrawList::boundCaged(const Frame& frame, std::size_t eight, std::si
     Candidate& candidate = block_[8 * eight + k];
     const Part& part = candidate.asset->packed[candidate.part];
     if (part.cages.empty()) continue;
-    if (const Error* const error = poseCages(eight, k, {0, 1})) return error;
+    if (const Error* const error = poseCages(eight, k, {0, 1}, runtime::CageUse::kBounds)) return error;
     caged |= static_cast<unsigned>(candidate.sound) << k;
   }
   if (caged == 0) return nullptr;
@@ -25,7 +25,7 @@ const Error* DrawList::boundCaged(const Frame& frame, std::size_t eight, std::si
     const bool one = frame.rays == Rays::kAny || frame.rings;
     const CageChoice choice = CageChoice::of(candidate.asset->packed[candidate.part], candidate.level,
                                              candidate.resident->finest, one);
-    if (const Error* const error = poseCages(eight, k, choice)) return error;
+    if (const Error* const error = poseCages(eight, k, choice, runtime::CageUse::kCells)) return error;
     for (int i = 0; i < candidate.cages; ++i) {
       const runtime::PosedCage& posed = candidate.posed[i];
       cage_texels_ += kHeadTexels + kMotionTexels + 1 + posed.nodes.size() + cageTexels(posed, true);
@@ -35,7 +35,8 @@ const Error* DrawList::boundCaged(const Frame& frame, std::size_t eight, std::si
 }
 
 // Poses the cages of a part, and bounds it by them.
-const Error* DrawList::poseCages(std::size_t eight, std::size_t k, const CageChoice& choice) {
+const Error* DrawList::poseCages(std::size_t eight, std::size_t k, const CageChoice& choice,
+                                 runtime::CageUse use) {
   Candidate& candidate = block_[8 * eight + k];
   const Part& part = candidate.asset->packed[candidate.part];
   Box box;
@@ -43,7 +44,7 @@ const Error* DrawList::poseCages(std::size_t eight, std::size_t k, const CageCho
   candidate.cages = choice.count;
   for (int i = 0; i < choice.count; ++i) {
     const auto posed =
-        runtime::posedCage(*candidate.instance, static_cast<int>(candidate.part), choice.first + i);
+        runtime::posedCage(*candidate.instance, static_cast<int>(candidate.part), choice.first + i, use);
     if (!posed) {
       candidate.sound = false;
       candidate.cages = 0;

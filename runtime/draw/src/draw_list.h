@@ -127,7 +127,7 @@ class DrawList {
   void judgeAbout(const Frame& frame, std::size_t eight, JudgedParts& judged) const;
   const Error* listArcs(std::size_t eight, std::size_t k, float level);
   const Error* boundCaged(const Frame& frame, std::size_t eight, std::size_t count);
-  const Error* poseCages(std::size_t eight, std::size_t k, const CageChoice& choice);
+  const Error* poseCages(std::size_t eight, std::size_t k, const CageChoice& choice, runtime::CageUse use);
   static void chooseCages(Candidate& candidate);
   const Error* place(const Frame& frame, std::size_t eight, std::size_t count);
   const Error* leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why);

@@ -8,9 +8,9 @@
 namespace kelp::draw {
 namespace {
 
-glm::uvec4 texelOf(const glm::vec3& v) {
+glm::uvec4 texelOf(const glm::vec3& v, std::uint32_t more = 0) {
   return {std::bit_cast<std::uint32_t>(v.x), std::bit_cast<std::uint32_t>(v.y),
-          std::bit_cast<std::uint32_t>(v.z), 0u};
+          std::bit_cast<std::uint32_t>(v.z), more};
 }
 
 }  // namespace
@@ -40,19 +40,21 @@ glm::uvec4* writeNodes(std::span<const glm::vec3> nodes, glm::uvec4* out) {
   return out;
 }
 
-glm::uvec4* writeCage(const runtime::PosedCage& posed, bool tree, glm::uvec4* out) {
+glm::uvec4* writeCage(const runtime::PosedCage& posed, glm::uvec4* out) {
   const Cage& cage = *posed.cage;
-  const auto leaves = tree ? static_cast<std::uint32_t>(std::bit_width(posed.leaves)) : 0u;
+  const auto leaves = static_cast<std::uint32_t>(std::bit_width(posed.tree.size() / 2));
   const CageHead head{posed.inverted.min,
                       leaves | static_cast<std::uint32_t>(cage.first_level) << 8 |
                           static_cast<std::uint32_t>(cage.last_level) << 16,
                       posed.inverted.max, cage.faces()};
   std::memcpy(static_cast<void*>(out), &head, sizeof head);
   out = writeNodes(posed.nodes, out + kCageHeadTexels);
-  if (!tree) return out;
-  for (const Box& box : posed.tree.first(2 * std::size_t{posed.leaves})) {
-    *out++ = texelOf(box.min);
-    *out++ = texelOf(box.max);
+  for (std::size_t i = 0; i < posed.tree.size(); ++i) {
+    const std::uint32_t none[] = {0, 0};
+    const std::uint32_t* const cells =
+        i < posed.leaves ? none : &cage.leaves[kLeafCells * (i - posed.leaves)];
+    *out++ = texelOf(posed.tree[i].min, cells[0]);
+    *out++ = texelOf(posed.tree[i].max, cells[1]);
   }
   return out;
 }

@@ -41,7 +41,7 @@ Detail servedDetail(const Detail& wanted, int finest, int coarsest);
 // Of the nodes, the tree if there is to be one, and the head of both.
 std::size_t cageTexels(const runtime::PosedCage& posed, bool tree);
 // These return where the next texel is.
-glm::uvec4* writeCage(const runtime::PosedCage& posed, bool tree, glm::uvec4* out);
+glm::uvec4* writeCage(const runtime::PosedCage& posed, glm::uvec4* out);  // with its tree, if it has one
 glm::uvec4* writeNodes(std::span<const glm::vec3> nodes, glm::uvec4* out);
 
 }  // namespace kelp::draw

@@ -153,7 +153,12 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
 glm::uvec4* DrawList::writeSpline(const Frame& frame, const Candidate& candidate, const PosedParts& posed,
                                   std::size_t k, int which, bool traced, glm::uvec4* out) {
   if (candidate.cages > 0) {
-    out = writeCage(candidate.posed[which], traced || frame.hasTrees(), out);
+    runtime::PosedCage posed_cage = candidate.posed[which];
+    if (traced || frame.hasTrees())  // its pose was good when it was bounded
+      posed_cage = runtime::posedCage(*candidate.instance, static_cast<int>(candidate.part),
+                                      candidate.cage + which, runtime::CageUse::kTree)
+                       .value();
+    out = writeCage(posed_cage, out);
   } else if (candidate.arcs > 0) {
     std::copy_n(&arcs_[candidate.arcs_at], arcTexels(candidate.arcs), out);
     out += arcTexels(candidate.arcs);

@@ -72,7 +72,7 @@ std::optional<int> levelAt(const View& view, const runtime::Instance& instance, 
     placeParts(*projection, parts, placed);
   };
   if (!of.cages.empty()) {
-    const auto posed = runtime::posedCage(instance, part, 0);
+    const auto posed = runtime::posedCage(instance, part, 0, runtime::CageUse::kBounds);
     if (!posed) return std::nullopt;
     boundAll(posed->bounds);
   } else if (of.bend == Bend::kSweep) {

@@ -42,7 +42,7 @@ std::span<T> takeNew(Carver& carver, std::uint64_t count) {
 }
 
 void layCage(const Cage& from, Carver& carver, CageInPose* cage) {
-  const std::uint32_t leaves = std::bit_ceil((from.cells() + kLeafCells - 1) / kLeafCells);
+  const std::uint32_t leaves = cageLeaves(from.cells());
   auto* const nodes = carver.take<glm::vec3>(from.nodes(), sizeof(float));
   auto* const tree = carver.take<Box>(2 * std::uint64_t{leaves});
   if (!cage) return;
@@ -299,6 +299,7 @@ void Pose::forgetNodes(int part) {
   for (CageInPose& cage : nodes->cages) {
     cage.placed.forget();
     cage.bounded.forget();
+    cage.grown.forget();
   }
 }
 

@@ -54,11 +54,12 @@ class Once {
 struct CageInPose {
   Once placed;       // nodes; of the finest cage only if they follow the spline: for PoseCages::rollOf()
   Once bounded;      // all below `leaves`; this and coarser nodes: for NodesInPose::placements
+  Once grown;        // the tree, also for these
   glm::vec3* nodes;  // one float more may be read after the last
   Box* tree;         // 2 * leaves
   std::uint32_t node_count, cell_count, leaves;
   std::uint32_t inverted_count;
-  Box inverted;
+  Box inverted, bounds;
 };
 
 // A part's cages.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include <glm/glm.hpp>
 
@@ -25,6 +26,12 @@ Lanes3 cross(const Lanes3& a, const Lanes3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+glm::vec3 cornerOf(Lanes at) {
+  float numbers[4];
+  at.store(numbers);
+  return {numbers[0], numbers[1], numbers[2]};
+}
 
 Box around(const Box& a, const Box& b) {
   Box both = a;
@@ -86,30 +93,23 @@ void addInverted(const FourCells& four, unsigned lanes, CageInPose& cage) {
   }
 }
 
-// The boxes above the leaves, level by level, and those without cells.
-void boundBoxes(CageInPose& posed) {
-  const glm::vec3 nowhere(kNowhere);
-  std::uint32_t used = (posed.cell_count + kLeafCells - 1) / kLeafCells;
-  std::fill(posed.tree + posed.leaves + used, posed.tree + 2 * std::size_t{posed.leaves},
-            Box{nowhere, nowhere});
-  for (std::uint32_t first = posed.leaves / 2; first > 0; first /= 2) {
-    Box* const boxes = posed.tree + first;
-    const Box* const below = boxes + first;
-    for (std::uint32_t i = 0; i < used / 2; ++i) boxes[i] = around(below[2 * i], below[2 * i + 1]);
-    if (used % 2 != 0) boxes[used / 2] = below[used - 1];
-    used = (used + 1) / 2;
-    std::fill(boxes + used, boxes + first, Box{nowhere, nowhere});
+// One float more is read after the last node.
+Box boxAround(std::span<const glm::vec3> nodes) {
+  Lanes low = INFINITY, high = -INFINITY;
+  for (const glm::vec3& node : nodes) {
+    const Lanes at = Lanes::load(&node.x);
+    low = min(at, low);
+    high = max(at, high);
   }
+  return {cornerOf(low), cornerOf(high)};
 }
 
-// The tree, and the inverted tetrahedra.
+// The box around all nodes, and the inverted tetrahedra.
 void boundCells(const Cage& cage, CageInPose& posed) {
-  static_assert(kLeafCells == 2);
   posed.inverted = Box{};
   posed.inverted_count = 0;
-  Box* const leaf = posed.tree + posed.leaves;
+  Lanes3 low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
   const std::uint32_t count = cage.cells();
-  std::uint32_t next = 0;  // leaf
   for (std::uint32_t first = 0; first < count; first += 4) {
     const std::uint32_t* cells[4];
     for (std::uint32_t lane = 0; lane < 4; ++lane) cells[lane] = cage.cell(std::min(first + lane, count - 1));
@@ -118,23 +118,37 @@ void boundCells(const Cage& cage, CageInPose& posed) {
     if (lanes & ~(four.upright[0] & four.upright[1] & four.upright[2] & four.upright[3] & four.upright[4] &
                   four.upright[5]))
       addInverted(four, lanes, posed);
-    // Lanes 0 and 2 get the boxes of cells 0 and 1, 2 and 3.
-    const auto least = [](Lanes of) { return min(of, of.rotated()); };
-    const auto most = [](Lanes of) { return max(of, of.rotated()); };
-    Lanes low_x = least(four.low.x), low_y = least(four.low.y), low_z = least(four.low.z),
-          high_x = most(four.high.x), high_y = most(four.high.y), high_z = most(four.high.z), z = low_z,
-          x = high_x;
-    // Now each is a box's first four numbers, or its last four.
-    transpose(low_x, low_y, low_z, high_x);
-    transpose(z, x, high_y, high_z);
-    const Lanes firsts[] = {low_x, low_z}, lasts[] = {z, high_y};
-    for (std::size_t pair = 0; pair < 2 && next < posed.leaves; ++pair, ++next) {
-      float* const box = &leaf[next].min.x;
-      firsts[pair].store(box);
-      lasts[pair].store(box + 2);
-    }
+    low = {min(four.low.x, low.x), min(four.low.y, low.y), min(four.low.z, low.z)};
+    high = {max(four.high.x, high.x), max(four.high.y, high.y), max(four.high.z, high.z)};
   }
-  boundBoxes(posed);
+  Lanes none = low.x, more = high.x;
+  transpose(low.x, low.y, low.z, none);
+  transpose(high.x, high.y, high.z, more);
+  const Lanes least = min(min(low.x, low.y), min(low.z, none));
+  const Lanes most = max(max(high.x, high.y), max(high.z, more));
+  posed.bounds = {cornerOf(least), cornerOf(most)};
+}
+
+// The tree, from its leaves up.
+void growTree(const Cage& cage, const CageInPose& posed) {
+  Box* const leaf = posed.tree + posed.leaves;
+  for (std::size_t i = 0; i < posed.leaves; ++i) {
+    Lanes low = INFINITY, high = -INFINITY;
+    for (const std::uint32_t cell : cage.leaves.subspan(kLeafCells * i, kLeafCells)) {
+      if (cell == kCageOutside) continue;
+      for (int corner = 0; corner < 8; ++corner) {
+        const Lanes at = Lanes::load(&posed.nodes[cage.node(cell, corner)].x);
+        low = min(at, low);
+        high = max(at, high);
+      }
+    }
+    leaf[i] = {cornerOf(low), cornerOf(high)};
+  }
+  for (std::size_t i = posed.leaves - 1; i > 0; --i)
+    posed.tree[i] = around(posed.tree[2 * i], posed.tree[2 * i + 1]);
+  const glm::vec3 nowhere(kNowhere);
+  for (Box& box : std::span(posed.tree, 2 * std::size_t{posed.leaves}).subspan(1))
+    if (box.empty()) box = {nowhere, nowhere};
 }
 
 // Nodes of a coarser cage follow those of the next finer one.
@@ -148,9 +162,9 @@ void placeCoarser(const Pose& pose, int part, std::span<const Cage> cages, int c
     const glm::vec3* const from = in[cage - 1].nodes;
     for (std::uint32_t i = 0; i < in[cage].node_count; ++i) {
       const CageFollow follow = cageFollows(coarser, i, finer);
-      glm::vec3 at(0);
-      for (int k = 0; k < 8; ++k) at += follow.weights[k] * from[follow.nodes[k]];
-      in[cage].nodes[i] = at;
+      Lanes at = 0.0f;
+      for (int k = 0; k < 8; ++k) at = at + follow.weights[k] * Lanes::load(&from[follow.nodes[k]].x);
+      in[cage].nodes[i] = cornerOf(at);
     }
     return true;
   });
@@ -158,7 +172,7 @@ void placeCoarser(const Pose& pose, int part, std::span<const Cage> cages, int c
 
 }  // namespace
 
-Result<PosedCage> posedCage(const Instance& instance, int part, int cage) {
+Result<PosedCage> posedCage(const Instance& instance, int part, int cage, CageUse use) {
   if (!instance.asset || part < 0 || static_cast<std::size_t>(part) >= instance.asset->pack().parts().size())
     return Error{ErrorCode::kMisuse, "there is no such part"};
   const std::span<const Cage> cages = instance.asset->pack().parts()[static_cast<std::size_t>(part)].cages;
@@ -176,6 +190,11 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage) {
   }
   CageInPose& in = nodes->cages[static_cast<std::size_t>(cage)];
   if (!PoseCages::place(pose, part)) return nodes->failure;
+  if (use == CageUse::kBounds && cage == 0 && !in.bounded.isMade(nodes->placements)) {
+    if (const Result<void> sound = PoseCages::check(pose, part); !sound) return sound.error();
+    const std::span<const glm::vec3> placed(in.nodes, in.node_count);
+    return PosedCage{&of, placed, boxAround(placed), {}, 0, {}, in.leaves};
+  }
   const bool made = in.bounded.make(nodes->placements, [&] {
     if (!PoseCages::check(pose, part)) return false;
     placeCoarser(pose, part, cages, cage);
@@ -183,9 +202,15 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage) {
     return true;
   });
   if (!made) return PoseCages::check(pose, part).error();
-  return PosedCage{&of,         {in.nodes, in.node_count}, in.tree[1],
-                   in.inverted, in.inverted_count,         {in.tree, 2 * std::size_t{in.leaves}},
-                   in.leaves};
+  PosedCage posed_cage{&of,      {in.nodes, in.node_count}, in.bounds, in.inverted, in.inverted_count, {},
+                       in.leaves};
+  if (use != CageUse::kTree) return posed_cage;
+  in.grown.make(nodes->placements, [&] {
+    growTree(of, in);
+    return true;
+  });
+  posed_cage.tree = {in.tree, 2 * std::size_t{in.leaves}};
+  return posed_cage;
 }
 
 }  // namespace kelp::runtime

@@ -34,6 +34,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 
@@ -51,6 +52,7 @@ inline constexpr int kMostCageCells = 256;            // along an axis
 inline constexpr std::uint8_t kInsideBlock = 255;     // in CageSource::blocks
 inline constexpr int kMostPieces = kInsideBlock - 1;  // in a cell's cube
 inline constexpr std::uint32_t kMaxCells = 1u << 27;  // of a cage
+inline constexpr std::uint32_t kLeafCells = 2;        // of the tree over posed cells
 inline constexpr int kCageNodeBits = 22;
 inline constexpr std::uint32_t kMaxCageNodes = 1u << kCageNodeBits;
 
@@ -70,6 +72,10 @@ constexpr int firstLevelOfCage(int cell, int cage) {
   int level = 0;
   while (cageOfLevel(cell, level) < cage) ++level;
   return level;
+}
+// Leaves of the complete binary tree over so many posed cells: a power of two.
+constexpr std::uint32_t cageLeaves(std::uint32_t cells) {
+  return std::bit_ceil((cells + cells / 4 + kLeafCells - 1) / kLeafCells);
 }
 // Number of cells along each axis.
 constexpr glm::ivec3 cageGrid(const glm::ivec3& size, int side) {
@@ -122,6 +128,8 @@ struct Cage {
   std::span<const std::uint32_t> places;  // one a node: where the lattice is: x | y << 10 | z << 20, in sides
   // Of coarser cages, one a node: the cell of the next finer cage that it moves with: cageFollows().
   std::span<const std::uint32_t> follows;
+  // Cells of the tree's leaves, kLeafCells of each, the first of them first; kCageOutside: none.
+  std::span<const std::uint32_t> leaves;
 
   std::uint32_t cells() const { return words[0]; }
   std::uint32_t nodes() const { return words[1]; }
@@ -151,9 +159,10 @@ struct Cage {
 
 struct CageMemory {
   CageMemory() = default;
-  explicit CageMemory(const Allocator& allocator) : words(allocator), places(allocator), follows(allocator) {}
+  explicit CageMemory(const Allocator& allocator)
+      : words(allocator), places(allocator), follows(allocator), leaves(allocator) {}
 
-  Buffer<std::uint32_t> words, places, follows;
+  Buffer<std::uint32_t> words, places, follows, leaves;
 };
 
 // Which of the six permutations: the corners of tetrahedron t as bits, in their order: 0, a, a + b, 7.

@@ -13,8 +13,11 @@
 
 namespace kelp::runtime {
 
-inline constexpr std::uint32_t kLeafCells = 2;  // of the tree
-inline constexpr float kNowhere = 1e38f;        // both corners of a box without cells: no ray comes there
+inline constexpr float kNowhere = 1e38f;  // both corners of a box without cells: no ray comes there
+
+// How much of a posed cage is made: its nodes and the box around them; the inverted tetrahedra too; the tree,
+// for rays, too.
+enum class CageUse { kBounds, kCells, kTree };
 
 // Valid until the pose changes.
 struct PosedCage {
@@ -24,9 +27,9 @@ struct PosedCage {
   // Around the tetrahedra whose determinant is not above 0, or too near to tell; empty: none.
   Box inverted;
   std::uint32_t inverted_count = 0;
-  // Boxes around cells, as a complete binary tree: box 1 is the root, 2 i and 2 i + 1 are in box i. Box
-  // `leaves` + j holds the cells from kLeafCells * j on, kLeafCells of them. A box without cells is
-  // at kNowhere. Box 0 is not used. leaves: a power of two.
+  // If it was asked for: boxes around cells, as a complete binary tree: box 1 is the root, 2 i and 2 i + 1
+  // are in box i. Box `leaves` + j holds the cells of leaf j of Cage::leaves. A box without cells is at
+  // kNowhere. Box 0 is not used. leaves: a power of two.
   std::span<const Box> tree;
   std::uint32_t leaves = 0;
 };
@@ -35,6 +38,6 @@ struct PosedCage {
 // host wrote is no finite number, or farther away than 2^20 times the part's longest side; `offset` is its
 // number. kMisuse also if there is no such part, cage or node in the pose. kOutOfMemory: for the pose of
 // instances without one, which the asset makes at its first use.
-Result<PosedCage> posedCage(const Instance& instance, int part, int cage);
+Result<PosedCage> posedCage(const Instance& instance, int part, int cage, CageUse use = CageUse::kCells);
 
 }  // namespace kelp::runtime
