@@ -354,10 +354,10 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
     view.quality.pixels_per_voxel = 1;
     view.quality.depth_batches = 12;
     const auto frame = [&](int n) {
-      const std::size_t count = 1 + static_cast<std::size_t>(0.5 * (1 + std::sin(0.05 * n)) * (kCount - 1));
+      const std::size_t count = 1 + static_cast<std::size_t>(0.5 * (1 + std::sin(0.2 * n)) * (kCount - 1));
       for (std::size_t i = 0; i < count; ++i) edit(poses[i], 0, 32)[1].position.x = static_cast<float>(n % 7);
       const auto some = std::span(instances).first(count);
-      view.camera.world_to_eye = glm::lookAt(glm::vec3(4 * std::sin(0.03f * static_cast<float>(n)), 4, 12),
+      view.camera.world_to_eye = glm::lookAt(glm::vec3(4 * std::sin(0.12f * static_cast<float>(n)), 4, 12),
                                              glm::vec3(0), glm::vec3(0, 1, 0));
       const glm::mat4 before = view.camera.eye_to_clip * view.camera.world_to_eye;
       view.camera.previous_world_to_clip = n % 2 ? &before : nullptr;
@@ -365,11 +365,11 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
       EXPECT_TRUE(color && (*renderer)->draw(view, some, gl::Pass::kDepth) && (*renderer)->upload(100'000));
       return color ? color->draws : 0;
     };
-    // Spans and views come again after 628 frames, so the largest are among them.
-    for (int n = 0; n < 640; ++n) frame(n);
+    // Spans and views come again after 157 frames, so the largest are among them.
+    for (int n = 0; n < 160; ++n) frame(n);
     const long news = newCalls(), made = fake.names_made, stored = fake.storage_made;
     std::uint32_t most = 0;
-    for (int n = 640; n < 1300; ++n) most = std::max(most, frame(n));
+    for (int n = 160; n < 325; ++n) most = std::max(most, frame(n));
     EXPECT_EQ(most, 24u);  // twelve batches of sheared parts, and of swept ones
     EXPECT_EQ(newCalls(), news) << version;
     EXPECT_EQ(fake.names_made, made) << version;
