@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The tetrahedra of caged parts and the voxels in them, after sweep.glsl. kelp/formats/cage.h says what a cage
-// is and what its words mean; shaders/METHOD.md explains the mathematics.
+// The tetrahedra of caged parts and the voxels in them, after sweep.glsl. kelp/formats/cage.h says what a
+// cage is and what its words mean; shaders/METHOD.md explains the mathematics.
 //
 // The text before defines, beside what trace.glsl and sweep.glsl ask for:
 //   KELP_CAGED             bool: the part has a cage
@@ -159,7 +159,7 @@ struct KelpMarch {
   vec3 per;  // 1 / dq; 0 where the ray stays in its layer of voxels
   float start;  // the ray's s at b = 0
   float end;
-  int beyond_axis;  // of the face, 0 or 3, by which the ray leaves at the end into the inside; -1: it does not
+  int beyond_axis;  // of the face, 0 or 3, by which the ray leaves at the end into the inside; -1: by none
   float behind;     // that face: the coordinate of the voxels there
   bool masked;      // the cell is a piece of several
   vec3 v;           // the voxel it is in
@@ -208,9 +208,9 @@ KELP_FN KelpMarch kelpNoMarch() {
   m.fetches = 0;
   return m;
 }
-// A march through g for s in range. place: the cell's first word; side: of the cell, level-0 voxels. `inside`:
-// the face by which the ray leaves at the end of the range into the inside; or -1. If `before` ended at an
-// unclear voxel, and was looked at, it goes on there.
+// A march through g for s in range. place: the cell's first word; side: of the cell, level-0 voxels.
+// `inside`: the face by which the ray leaves at the end of the range into the inside; or -1. If `before`
+// ended at an unclear voxel, and was looked at, it goes on there.
 KELP_FN KelpMarch kelpBeginMarch(KELP_CONTEXT_ KelpTetrahedron g, uint place, float side, vec2 range,
                                  int inside, KelpMarch before) {
   KelpMarch m = before;
@@ -249,8 +249,9 @@ KELP_FN KelpMarch kelpBeginMarch(KELP_CONTEXT_ KelpTetrahedron g, uint place, fl
   m.coarser = 0;
   return m;
 }
-// To the first solid or unclear voxel, or the end. Cells of up to 8 voxels lie in one brick, so that is looked
-// up outside of the loop over its voxels: SIMD runs all branches. Long: the loops share the ray and the box.
+// To the first solid or unclear voxel, or the end. Cells of up to 8 voxels lie in one brick, so that is
+// looked up outside of the loop over its voxels: SIMD runs all branches. Long: the loops share the ray and
+// the box.
 KELP_FN KelpMarch kelpMarchOn(KELP_CONTEXT_ KelpMarch before) {
   KelpMarch m = before;
   bvec3 up = bvec3(m.dq.x > 0.0f, m.dq.y > 0.0f, m.dq.z > 0.0f);
@@ -302,7 +303,7 @@ KELP_FN KelpMarch kelpMarchOn(KELP_CONTEXT_ KelpMarch before) {
           if (leave.x == next) there.x = up.x ? face.x : face.x - 1.0f;
           if (leave.y == next) there.y = up.y ? face.y : face.y - 1.0f;
           if (leave.z == next) there.z = up.z ? face.z : face.z - 1.0f;
-          // Out of the cell: at the end, but for rounding. Or else the ray is in the cell's own face: it stays.
+          // Out of the cell: at the end, but for rounding. Else the ray is in the cell's own face: it stays.
           vec3 in_cell = min(max(vec3(0.0f), there), m.last);
           bvec3 out_of = bvec3(in_cell.x != there.x, in_cell.y != there.y, in_cell.z != there.z);
           done = (out_of.x || out_of.y || out_of.z) && next > m.end - KELP_ERODE;
@@ -383,25 +384,4 @@ KELP_FN KelpHit kelpMarchTetrahedron(KELP_CONTEXT_ KelpTetrahedron g, uint cell,
   hit.fetches += m.fetches;
   if (m.found) hit = kelpMarchHit(KELP_CONTEXT m, g, cell, from, hit);
   return hit;
-}
-
-// Where o + s r may be in a box, s in range; empty: x > y. per: 1 / r.
-KELP_FN vec2 kelpBoxRange(vec3 low, vec3 high, vec3 o, vec3 per, vec2 range) {
-  vec3 a = (low - vec3(KELP_ERODE) - o) * per;
-  vec3 b = (high + vec3(KELP_ERODE) - o) * per;
-  vec3 first = min(a, b);
-  vec3 last = max(a, b);
-  return vec2(max(max(first.x, first.y), max(first.z, range.x)),
-              min(min(last.x, last.y), min(last.z, range.y)));
-}
-KELP_FN vec3 kelpPerDirection(vec3 r) {
-  return vec3(abs(r.x) > 1e-18f ? 1.0f / r.x : KELP_NEVER, abs(r.y) > 1e-18f ? 1.0f / r.y : KELP_NEVER,
-              abs(r.z) > 1e-18f ? 1.0f / r.z : KELP_NEVER);
-}
-// Where o + s r may meet inverted tetrahedra; empty: x > y.
-KELP_FN vec2 kelpFoldRange(KELP_CONTEXT_ vec3 o, vec3 r) {
-  vec3 low = KELP_CAGE_FOLD_LOW;
-  vec3 high = KELP_CAGE_FOLD_HIGH;
-  if (!(low.x <= high.x)) return vec2(KELP_NEVER, -KELP_NEVER);
-  return kelpBoxRange(low, high, o, kelpPerDirection(r), vec2(-KELP_NEVER, KELP_NEVER));
 }

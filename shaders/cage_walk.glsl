@@ -1,6 +1,27 @@
 // SPDX-License-Identifier: MIT
 // Walks through caged parts from their boundary, after cage.glsl.
 
+// Where o + s r may be in a box, s in range; empty: x > y. per: 1 / r.
+KELP_FN vec2 kelpBoxRange(vec3 low, vec3 high, vec3 o, vec3 per, vec2 range) {
+  vec3 a = (low - vec3(KELP_ERODE) - o) * per;
+  vec3 b = (high + vec3(KELP_ERODE) - o) * per;
+  vec3 first = min(a, b);
+  vec3 last = max(a, b);
+  return vec2(max(max(first.x, first.y), max(first.z, range.x)),
+              min(min(last.x, last.y), min(last.z, range.y)));
+}
+KELP_FN vec3 kelpPerDirection(vec3 r) {
+  return vec3(abs(r.x) > 1e-18f ? 1.0f / r.x : KELP_NEVER, abs(r.y) > 1e-18f ? 1.0f / r.y : KELP_NEVER,
+              abs(r.z) > 1e-18f ? 1.0f / r.z : KELP_NEVER);
+}
+// Where o + s r may meet inverted tetrahedra; empty: x > y.
+KELP_FN vec2 kelpFoldRange(KELP_CONTEXT_ vec3 o, vec3 r) {
+  vec3 low = KELP_CAGE_FOLD_LOW;
+  vec3 high = KELP_CAGE_FOLD_HIGH;
+  if (!(low.x <= high.x)) return vec2(KELP_NEVER, -KELP_NEVER);
+  return kelpBoxRange(low, high, o, kelpPerDirection(r), vec2(-KELP_NEVER, KELP_NEVER));
+}
+
 // Where a walk begins anew, the n-th time: beside the point of the start face where it began, by less than is
 // promised. Only what passes an edge of the boundary begins anew: rounding may have taken it out of the cage.
 // a, b, c: corners of the face. side: of the cell.
