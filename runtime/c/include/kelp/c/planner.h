@@ -50,8 +50,8 @@ enum {
   KELP_PROGRAM_SWEPT = 1,        // parts that are swept
   KELP_PROGRAM_CAGED = 2,        // solid parts with cages, by the faces of these: a list of triangles
   KELP_PROGRAM_ANY_BEND = 3,     // solid parts of all kinds, by their bounds: with KELP_FEATURE_DISTANCES in
-                                 // place of the others; without, parts with cages that the eye or the near
-                                 // plane is in
+                                 // place of the others; without, parts with cages that not all rays enter by
+                                 // a face
   KELP_PROGRAM_FOG = 4,          // fog
   KELP_PROGRAM_FOG_HEAT = 8,     // fog that glows by its heat
   KELP_PROGRAM_FOG_SHADOW = 16,  // fog that shades itself (kelp_view.self_shadow)

@@ -49,7 +49,7 @@ enum class Program : std::uint8_t {
   kSwept = 1,       // parts that are swept
   kCaged = 2,       // solid parts with cages, by the faces of these: a list of triangles
   kAnyBend = 3,     // solid parts of all kinds, by their bounds: with Features::kDistances in place of the
-                    // others; without, parts with cages that the eye or the near plane is in
+                    // others; without, parts with cages that not all rays enter by a face
   kFog = 4,         // fog
   kFogHeat = 8,     // fog that glows by its heat
   kFogShadow = 16,  // fog that shades itself (Quality::self_shadow)
