@@ -353,13 +353,13 @@ KELP_FN KelpMarch kelpLookCloser(KELP_CONTEXT_ KelpMarch before, uint cell) {
   m.high = min(seen.side * (seen.box.center + seen.box.half_size) - m.corner, m.last + vec3(1.0f));
   return m;
 }
-// `before` with what a march has found. `from` is where the ray's s is 0 for g.
-KELP_FN KelpHit kelpMarchHit(KELP_CONTEXT_ KelpMarch m, KelpTetrahedron g, uint cell, float from,
+// `before` with what a march has found in a tetrahedron. `from` is where the ray's s is 0 for it.
+KELP_FN KelpHit kelpMarchHit(KELP_CONTEXT_ KelpMarch m, uint cell, int number, float from,
                              KelpHit before) {
   KelpHit hit = before;
   hit.found = true;
   hit.s = from + (m.start + m.b);
-  hit.segment = int(cell << 3u) | g.number;
+  hit.segment = int(cell << 3u) | number;
   hit.coarser = m.coarser;
   hit.voxel = m.voxel;
   hit.brick = m.brick;
@@ -375,13 +375,15 @@ KELP_FN KelpHit kelpMarchTetrahedron(KELP_CONTEXT_ KelpTetrahedron g, uint cell,
   float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
   KelpMarch m = kelpBeginMarch(KELP_CONTEXT g, KELP_CAGE_WORD(kelpCageCell(cell)), side, range, inside,
                                kelpNoMarch());
+  m.steps = before.steps;
+  m.fetches = before.fetches;
   while (m.going) {
     m = kelpMarchOn(KELP_CONTEXT m);
     if (m.unclear) m = kelpLookCloser(KELP_CONTEXT m, cell);
-    m.going = m.looked && !m.found && !m.beyond;
+    m.going = m.looked && !m.found && !m.beyond && m.steps < KELP_MAX_STEPS;
   }
-  hit.steps += m.steps;
-  hit.fetches += m.fetches;
-  if (m.found) hit = kelpMarchHit(KELP_CONTEXT m, g, cell, from, hit);
+  hit.steps = m.steps;
+  hit.fetches = m.fetches;
+  if (m.found) hit = kelpMarchHit(KELP_CONTEXT m, cell, g.number, from, hit);
   return hit;
 }

@@ -47,7 +47,6 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
   vec2 fold = kelpFoldRange(KELP_CONTEXT o, r);
   float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
   KelpMarch m = kelpNoMarch();
-  KelpTetrahedron g;
   uint cell = 0u;
   ivec3 axes = ivec3(0);
   int entry = 0;
@@ -82,7 +81,7 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
       ++hit.clips;
       uint at = kelpCageCell(cell);
       uint place = KELP_CAGE_WORD(at);
-      g = kelpTetrahedronOf(axes, x0, xa, xb, x7, from, r);
+      KelpTetrahedron g = kelpTetrahedronOf(axes, x0, xa, xb, x7, from, r);
       float way = g.turned ? -1.0f : 1.0f;
       // The faces towards which the ray goes, and when it is there. Beyond the boundary there is no way back,
       // so it lies a little farther out.
@@ -123,7 +122,7 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
         m = kelpBeginMarch(KELP_CONTEXT g, place, side, range, enters ? exit : -1, m);
         if (m.going) m = kelpMarchOn(KELP_CONTEXT m);
         if (m.found) {
-          hit = kelpMarchHit(KELP_CONTEXT m, g, cell, 0.0f, hit);
+          hit = kelpMarchHit(KELP_CONTEXT m, cell, g.number, 0.0f, hit);
           reached = hit.s;
         }
       }
@@ -164,7 +163,8 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
       m = kelpLookCloser(KELP_CONTEXT m, cell);
       s = m.start + m.b;
       --hit.clips;
-      if (m.found) hit = kelpMarchHit(KELP_CONTEXT m, g, cell, 0.0f, hit);
+      if (m.found)
+        hit = kelpMarchHit(KELP_CONTEXT m, cell, kelpTetrahedronNumber(axes.x, axes.y), 0.0f, hit);
       more = !m.beyond && (!m.found || (hit.s > fold.x && hit.s < fold.y));
     }
     again = again && tries < KELP_CAGE_TRIES;

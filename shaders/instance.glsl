@@ -34,7 +34,8 @@
 //          with a cage: lowest corner of the box around inverted tetrahedra | leaves of the tree as a binary
 //          logarithm plus 1, 0: no tree (bits 0..7), the finest level that the cage serves (8..15), the
 //          coarsest (16..23); highest corner | number of the cage's boundary faces; a texel for each node;
-//          2 texels for each box of the tree, lowest and highest corner, twice as many boxes as leaves
+//          2 texels for each box of the tree, lowest and highest corner, twice as many boxes as leaves;
+//          of a leaf, each with the number of a cell in w, 0xffffffff: none
 //   then, with kelp_motion: 4 texels as 0..3 and the segments, of the frame before; of a swept part, a texel
 //          with the number of arcs, the arcs and the joints; of a part with a cage, the nodes
 //   then, where distances shade: the record of the instance's next part; all parts of an instance are a ring

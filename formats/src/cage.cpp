@@ -25,7 +25,7 @@ Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int leve
   if (!cells.reset(std::uint64_t{kCageCellWords} * maker.cells())) return kNoMemory;
   if (const Result<void> r = maker.connect(cells.span()); !r) return r.error();
   const std::uint64_t followers = finer ? maker.nodes() : 0;
-  if (!fits(maker.words() + maker.nodes() + followers + maker.leafSlots())) return kTooLarge;
+  if (!fits(cells.size() + maker.words() + maker.nodes() + followers + maker.leafSlots())) return kTooLarge;
   if (!memory.words.reset(maker.words()) || !memory.places.reset(maker.nodes()) ||
       !memory.follows.reset(followers) || !memory.leaves.reset(maker.leafSlots()))
     return kNoMemory;

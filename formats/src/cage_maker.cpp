@@ -82,7 +82,7 @@ Result<void> CageMaker::count() {
 }
 
 std::uint64_t CageMaker::transientBytes() const {
-  return 9 * std::uint64_t{cell_count_} * sizeof(std::uint64_t);
+  return cageMakingBytes(cell_count_);
 }
 
 std::uint64_t CageMaker::wordsFor(std::uint64_t faces) const {

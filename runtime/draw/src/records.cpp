@@ -67,27 +67,28 @@ bool meetsNearPlane(const Camera& camera, const PlacedParts& placed, std::size_t
   return !(middle > 1.0001f * reach);
 }
 
-// True if a linear function is positive at a node, beyond rounding.
-bool isPositive(const glm::vec4& plane, const glm::vec3& node) {
+// True if a node is by more than so many voxels on the positive side of a plane, beyond rounding.
+bool isBeyond(const glm::vec4& plane, const glm::vec3& node, float voxels) {
   const float size = glm::dot(glm::abs(glm::vec3(plane)), glm::abs(node)) + std::abs(plane.w);
-  return glm::dot(glm::vec3(plane), node) + plane.w > 1e-5f * size;
+  return glm::dot(glm::vec3(plane), node) + plane.w > 1e-5f * size + voxels * glm::length(glm::vec3(plane));
 }
 
-// True if every ray of a cage begins in one of its faces: no node is behind the eye, and the near plane does
-// not cut the inside, which the nodes around it enclose.
+// True if every ray of a cage begins in one of its faces: no node is behind the eye, or closer than a voxel,
+// and the near plane does not cut the inside, which the nodes around it enclose.
 bool beginsInFaces(const Camera& camera, const PlacedParts& placed, std::size_t k,
                    const runtime::PosedCage& posed) {
   glm::vec4 w;
   for (int column = 0; column < 4; ++column) w[column] = placed.to_clip[3][column].of[k];
   for (const glm::vec3& node : posed.nodes)
-    if (!isPositive(w, node)) return false;
+    if (!isBeyond(w, node, 1)) return false;
   const glm::vec4 near = nearPlane(camera, placed, k);
   const Cage& cage = *posed.cage;
   for (std::uint32_t cell = 0; cell < cage.cells(); ++cell)
     for (int face = 0; face < 6; ++face) {
       if (cage.beyond(cell, face) != kCageInside) continue;
       for (int corner = 0; corner < 8; ++corner)
-        if ((corner >> (face / 2) & 1) == face % 2 && !isPositive(near, posed.nodes[cage.node(cell, corner)]))
+        if ((corner >> (face / 2) & 1) == face % 2 &&
+            !isBeyond(near, posed.nodes[cage.node(cell, corner)], 0))
           return false;
     }
   return true;
@@ -117,7 +118,7 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
     heads[k] = reinterpret_cast<RecordHead*>(out);
     const auto record = static_cast<std::uint32_t>(out - records_.data());
     bool traced = frame.boxes || outlines[k] == 0 || meetsNearPlane(frame.view.camera, placed, k);
-    if (traced && !frame.boxes && candidate.cages > 0) {
+    if (traced && !frame.boxes && frame.rays == Rays::kView && candidate.cages > 0) {
       traced = false;
       for (int cage = 0; cage < candidate.cages; ++cage)
         traced = traced || !beginsInFaces(frame.view.camera, placed, k, candidate.posed[cage]);

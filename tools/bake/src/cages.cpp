@@ -30,32 +30,39 @@ std::string cellText(const SourcePart& part, int cell) {
 
 bool hasCage(const SourcePart& part) { return part.rig.caged && !part.isEmpty(); }
 
-// Takes what readers count for a cage from `decoded` and `tables`. False: there is not as much.
-bool takeRoom(const std::vector<RawCage>& cages, const RawPart& part, int levels, std::uint64_t& decoded,
-              std::uint64_t& tables) {
+// What readers have left for cages, and for the tables that they need to make one.
+struct Room {
+  std::uint64_t decoded = kMostCageBytes, tables = kMostCageBytes, making = 0;
+};
+
+// False: there is not as much.
+bool takeRoom(const std::vector<RawCage>& cages, const RawPart& part, int levels, Room& room) {
   CageMemory even, odd;
   Cage made[2];
   for (std::size_t i = 0; i < cages.size(); ++i) {
     const RawCage& raw = cages[i];
-    const std::uint64_t bytes = raw.blocks.size() + raw.masks.size() + raw.splits.size() +
-                                sizeof(std::uint32_t) * (raw.split_points.size() + raw.follows.size());
-    if (bytes > decoded) return false;
-    decoded -= bytes;
-    const Result<Cage> cage = makeCage(raw.source(), part.size, levels, part.cell, static_cast<int>(i),
-                                       i > 0 ? &made[(i - 1) & 1] : nullptr, tables, i & 1 ? odd : even);
+    const std::uint64_t numbers = sizeof(std::uint32_t) * (raw.split_points.size() + raw.follows.size()),
+                        bytes = raw.blocks.size() + raw.masks.size() + raw.splits.size() + numbers;
+    if (bytes > room.decoded) return false;
+    room.decoded -= bytes;
+    const Result<Cage> cage =
+        makeCage(raw.source(), part.size, levels, part.cell, static_cast<int>(i),
+                 i > 0 ? &made[(i - 1) & 1] : nullptr, 4 * kMostCageBytes, i & 1 ? odd : even);
     if (!cage && cage.error().code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
-    if (!cage) return false;
-    tables -= cage->bytes();
+    if (!cage || cage->bytes() + numbers > room.tables) return false;
+    room.tables -= cage->bytes() + numbers;
+    room.making = std::max(room.making, cageMakingBytes(cage->cells()));
+    if (room.making > room.tables) return false;
     made[i & 1] = *cage;
   }
   return true;
 }
 
-// Gives all parts of `pack` their cages, with cells of at least so many voxels. False: there are more than
-// readers take by default.
-bool buildAll(SourceModel& model, const Settings& settings, int least, const Progress& progress,
-              RawPack& pack) {
-  std::uint64_t decoded = kMostCageBytes, tables = kMostCageBytes;
+// Gives all parts of `pack` their cages, with cells of at least so many voxels. Or the part at which there
+// are more than readers take by default; null: there are not.
+const SourcePart* buildAll(SourceModel& model, const Settings& settings, int least, const Progress& progress,
+                           RawPack& pack) {
+  Room room;
   for (std::size_t i = 0; i < pack.parts.size(); ++i) {
     if (progress && !progress("cages", static_cast<double>(i) / static_cast<double>(pack.parts.size())))
       throw ToolError(Exit::kInterrupted, "interrupted");
@@ -68,9 +75,9 @@ bool buildAll(SourceModel& model, const Settings& settings, int least, const Pro
     grid.solid = std::move(occupancy.solid);
     const int levels = levelCount(grid.size, settings.levels);
     part.cages = fields::buildCages(bits, levels, part.cell);
-    if (!takeRoom(part.cages, part, levels, decoded, tables)) return false;
+    if (!takeRoom(part.cages, part, levels, room)) return &model.parts[i];
   }
-  return true;
+  return nullptr;
 }
 
 }  // namespace
@@ -112,11 +119,12 @@ void checkCages(const SourceModel& model, const RawPack& pack, const Settings& s
 
 void addCages(SourceModel& model, const Settings& settings, const Progress& progress,
               const std::filesystem::path& input, RawPack& pack) {
-  if (buildAll(model, settings, fields::kSmallestCell, progress, pack)) return;
-  const SourcePart& part = *std::find_if(model.parts.begin(), model.parts.end(), hasCage);
+  const SourcePart* const first = buildAll(model, settings, fields::kSmallestCell, progress, pack);
+  if (!first) return;
+  const SourcePart& part = *first;
   const int cell = cellOf(part, settings);
   int fits = 2 * cell;
-  while (fits <= fields::kLargestCell && !buildAll(model, settings, fits, progress, pack)) fits *= 2;
+  while (fits <= fields::kLargestCell && buildAll(model, settings, fits, progress, pack)) fits *= 2;
   throw ToolError(
       Exit::kUnsupported,
       fmt::format(

@@ -77,6 +77,8 @@ constexpr int firstLevelOfCage(int cell, int cage) {
 constexpr std::uint32_t cageLeaves(std::uint32_t cells) {
   return std::bit_ceil((cells + cells / 4 + kLeafCells - 1) / kLeafCells);
 }
+// What tables that a reader needs only to make a cage take.
+constexpr std::uint64_t cageMakingBytes(std::uint32_t cells) { return std::uint64_t{72} * cells; }
 // Number of cells along each axis.
 constexpr glm::ivec3 cageGrid(const glm::ivec3& size, int side) {
   return {(size.x + side - 1) / side, (size.y + side - 1) / side, (size.z + side - 1) / side};
@@ -134,7 +136,9 @@ struct Cage {
   std::uint32_t cells() const { return words[0]; }
   std::uint32_t nodes() const { return words[1]; }
   std::uint32_t faces() const { return words[2]; }
-  std::uint64_t bytes() const { return words.size_bytes() + places.size_bytes() + follows.size_bytes(); }
+  std::uint64_t bytes() const {
+    return words.size_bytes() + places.size_bytes() + follows.size_bytes() + leaves.size_bytes();
+  }
   // kCageCellWords words.
   const std::uint32_t* cell(std::uint32_t i) const { return &words[kCageHeader + kCageCellWords * i]; }
   // Of a cell: the node at a corner, 0 .. 7; what is beyond a face, 0 .. 5.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Many awkward rays through caged parts: cage.glsl and cage_tree.glsl, compiled as C++, judged by the ground
-// truth.
+// Many awkward rays through caged parts: cage_walk.glsl and cage_tree.glsl, compiled as C++, judged by the
+// ground truth.
 #pragma once
 
 #include <functional>

@@ -158,7 +158,7 @@ std::vector<ChunkSummary> summarizeChunks(const Pack& pack, const std::optional<
 CageSummary summarize(const Cage& cage) {
   CageSummary out;
   for (std::uint32_t i = 0; i < cage.cells(); ++i) out.pieces += cage.cell(i)[1] != 0 ? 1 : 0;
-  out.memory = cage.bytes() + cage.leaves.size_bytes();
+  out.memory = cage.bytes();
   return out;
 }
 
