@@ -81,9 +81,7 @@ Result<void> CageMaker::count() {
   return {};
 }
 
-std::uint64_t CageMaker::transientBytes() const {
-  return cageMakingBytes(cell_count_);
-}
+std::uint64_t CageMaker::transientBytes() const { return cageMakingBytes(cell_count_); }
 
 std::uint64_t CageMaker::wordsFor(std::uint64_t faces) const {
   return kCageHeader + std::uint64_t{kCageCellWords} * cell_count_ + faces +
