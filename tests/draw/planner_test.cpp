@@ -106,7 +106,8 @@ TEST_F(PlannerTest, WhatFitsIsCopiedThoughNotAllDoes) {
   EXPECT_EQ(data->stats.instances + data->stats.waiting, 30u);
 }
 
-// The faces of a cage are drawn; its bounds, where the eye or the near plane is in them.
+// The faces of a cage are drawn; its bounds, where the eye is in them or the near plane cuts solid without
+// cells.
 TEST_F(PlannerTest, PartsWithCagesHaveCallsOfTheirOwn) {
   using draw::Program;
   const fields::Occupancy volume = ballClump({60, 80, 50}, 20, 2);
@@ -148,8 +149,8 @@ TEST_F(PlannerTest, PartsWithCagesHaveCallsOfTheirOwn) {
   expectCall(1, Program::kCaged, 1, 3, 3 * facesOf(*with));
   expectCall(2, Program::kCaged, 4, 1, 3 * facesOf(*finer));
 
-  const auto programOf = [&](const draw::View& of) {
-    const auto data = one->draw(of, instances[1]);
+  const auto programOf = [&](const draw::View& of, std::size_t instance = 1) {
+    const auto data = one->draw(of, instances[instance]);
     EXPECT_EQ(data->calls.size(), 1u);
     return data->calls[0].program;
   };
@@ -157,7 +158,9 @@ TEST_F(PlannerTest, PartsWithCagesHaveCallsOfTheirOwn) {
   EXPECT_EQ(programOf(lookFrom({0, 0.5f, -0.8f}, {0, 0.5f, -2})), Program::kAnyBend);
   draw::View cut = view;
   cut.camera.eye_to_clip = glm::perspective(0.8f, 4.0f / 3, 3.9f, 100.0f);
-  EXPECT_EQ(programOf(cut), Program::kAnyBend);
+  EXPECT_EQ(programOf(cut), Program::kCaged) << "the near plane cuts cells alone";
+  cut.camera.eye_to_clip = glm::perspective(0.8f, 4.0f / 3, 7.0f, 100.0f);
+  EXPECT_EQ(programOf(cut, 4), Program::kAnyBend) << "the near plane cuts solid without cells";
   cut.camera.eye_to_clip = glm::perspective(0.8f, 4.0f / 3, 2.0f, 4.0f);
   EXPECT_EQ(programOf(cut), Program::kCaged) << "the far plane cuts it";
   cut.debug = draw::DebugView::kLevels;
