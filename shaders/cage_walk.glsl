@@ -27,7 +27,8 @@ KELP_FN vec2 kelpFoldRange(KELP_CONTEXT_ vec3 o, vec3 r) {
 // a, b, c: corners of the face. side: of the cell.
 KELP_FN vec3 kelpNudged(vec3 o, int n, vec3 a, vec3 b, vec3 c, float side) {
   float angle = 2.4f * float(n);
-  float far = KELP_CAGE_SLACK / side * (float(n) / float(KELP_CAGE_TRIES));
+  float longest = max(side, max(length(b - a), length(c - a)));
+  float far = KELP_CAGE_SLACK / longest * (float(n) / float(KELP_CAGE_TRIES));
   return o + far * (cos(angle) * (b - a) + sin(angle) * (c - a));
 }
 

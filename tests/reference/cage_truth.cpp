@@ -187,8 +187,8 @@ std::optional<double> CageTruth::firstPossible(const Cube& cube, const Line& lin
   const std::vector<double> crossings = line.crossings();
   for (std::size_t i = 0; i + 1 < crossings.size(); ++i) {
     const dvec3 a = line.at(crossings[i]), b = line.at(crossings[i + 1]);
-    const ivec3 low(glm::max(glm::floor(glm::min(a, b) - 1.001 * kMargin), dvec3(0)));
-    const ivec3 high(glm::min(glm::floor(glm::max(a, b) + 1.001 * kMargin), dvec3(side_ - 1)));
+    const ivec3 low(glm::clamp(glm::floor(glm::min(a, b) - 1.001 * kMargin), 0.0, double(side_)));
+    const ivec3 high(glm::clamp(glm::floor(glm::max(a, b) + 1.001 * kMargin), -1.0, side_ - 1.0));
     std::optional<double> first;
     for (int z = low.z; z <= high.z; ++z)
       for (int y = low.y; y <= high.y; ++y)
