@@ -303,7 +303,7 @@ KELP_FN KelpMarch kelpMarchOn(KELP_CONTEXT_ KelpMarch before) {
           if (leave.x == next) there.x = up.x ? face.x : face.x - 1.0f;
           if (leave.y == next) there.y = up.y ? face.y : face.y - 1.0f;
           if (leave.z == next) there.z = up.z ? face.z : face.z - 1.0f;
-          // Out of the cell: at the end, but for rounding. Else the ray is in the cell's own face: it stays.
+          // Out of the cell: the ray is at its end, or nearly. Else it runs in the cell's face, and stays.
           vec3 in_cell = min(max(vec3(0.0f), there), m.last);
           bvec3 out_of = bvec3(in_cell.x != there.x, in_cell.y != there.y, in_cell.z != there.z);
           done = (out_of.x || out_of.y || out_of.z) && next > m.end - KELP_ERODE;

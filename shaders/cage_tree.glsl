@@ -51,40 +51,6 @@ struct KelpCageSearch {
 KELP_FN float kelpSearchEnd(KelpCageSearch found) {
   return max(found.hit.s, min(found.first, found.emerges));
 }
-// A ray, and two directions across it: u, v and r are a right-handed system.
-struct KelpSight {
-  vec3 o;
-  vec3 r;
-  vec3 per;     // 1 / r
-  vec3 o_low;   // o from the low and the high sides of boxes, which are larger by KELP_ERODE
-  vec3 o_high;
-  vec3 u;
-  vec3 v;
-};
-KELP_FN KelpSight kelpSightAlong(vec3 o, vec3 r) {
-  KelpSight ray;
-  ray.o = o;
-  ray.r = r;
-  ray.per = kelpPerDirection(r);
-  ray.o_low = o + vec3(KELP_ERODE);
-  ray.o_high = o - vec3(KELP_ERODE);
-  // Duff et al., "Building an Orthonormal Basis, Revisited".
-  float sign = r.z < 0.0f ? -1.0f : 1.0f;
-  float a = -1.0f / (sign + r.z);
-  float b = r.x * r.y * a;
-  ray.u = vec3(1.0f + sign * r.x * r.x * a, sign * b, -sign * r.x);
-  ray.v = vec3(b, sign + r.y * r.y * a, -r.y);
-  return ray;
-}
-// As kelpBoxRange.
-KELP_FN vec2 kelpSightRange(KelpSight ray, vec3 low, vec3 high, vec2 range) {
-  vec3 a = (low - ray.o_low) * ray.per;
-  vec3 b = (high - ray.o_high) * ray.per;
-  vec3 first = min(a, b);
-  vec3 last = max(a, b);
-  return vec2(max(max(first.x, first.y), max(first.z, range.x)),
-              min(min(last.x, last.y), min(last.z, range.y)));
-}
 // Seen along a ray that goes through the origin: a point; twice the area of the triangle origin, a, b; and
 // if the ray may go through a triangle, by those of its edges.
 KELP_FN vec2 kelpSeen(KelpSight ray, vec3 x) { return vec2(dot(x, ray.u), dot(x, ray.v)); }
@@ -146,7 +112,7 @@ KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, KelpSight ray, flo
   }
   vec3 low = min(min(min(x[0], x[1]), min(x[2], x[3])), min(min(x[4], x[5]), min(x[6], x[7])));
   vec3 high = max(max(max(x[0], x[1]), max(x[2], x[3])), max(max(x[4], x[5]), max(x[6], x[7])));
-  vec2 in_box = kelpSightRange(ray, low, high, vec2(s_min, kelpSearchEnd(found)));
+  vec2 in_box = kelpBoxRange(ray, low, high, vec2(s_min, kelpSearchEnd(found)));
   if (!(in_box.x <= in_box.y)) return found;
   // From here s begins where the ray enters that box, so that numbers are small.
   float from = in_box.x;
@@ -162,7 +128,9 @@ KELP_FN KelpCageSearch kelpTraceCell(KELP_CONTEXT_ uint cell, KelpSight ray, flo
   for (int i = 0; i < 6; ++i) {
     int number = int((sixth.order >> uint(4 * i)) & 7u);
     if (((sixth.meets >> number) & 1) == 0) continue;
-    KelpTetrahedron g = kelpTetrahedron(KELP_CONTEXT at, number, p, ray.r);
+    ivec3 axes = kelpTetrahedronAxes(number);
+    KelpTetrahedron g =
+        kelpTetrahedronOf(axes, x[0], x[1 << axes.x], x[7 - (1 << axes.z)], x[7], p, ray.r);
     KelpCrossing c;
     c.s = vec2(-KELP_NEVER, KELP_NEVER);
     c.grown = c.s;
@@ -210,13 +178,13 @@ KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
   found.from_cell = 0u;
   found.from_tetrahedron = 0;
   found.from_face = 0;
-  vec2 fold = kelpFoldRange(KELP_CONTEXT o, r);
+  KelpSight ray = kelpSightAlong(o, r);
+  vec2 fold = kelpFoldRange(KELP_CONTEXT ray);
   vec3 begin = o + s_min * r;
   vec3 beside = max(KELP_BOUNDS_MIN - begin, begin - KELP_BOUNDS_MAX);
   // From where it meets inverted tetrahedra nothing can be said; out of the bounds it cannot begin inside.
   if (fold.x <= fold.y && fold.y >= s_min) found.first = fold.x;
   if (max(beside.x, max(beside.y, beside.z)) > 0.0f) found.first = -KELP_NEVER;
-  KelpSight ray = kelpSightAlong(o, r);
   int leaves = KELP_CAGE_LEAVES;
   uint cells = KELP_CAGE_WORD(0u);
   int node = 1;
@@ -227,8 +195,8 @@ KELP_FN KelpHit kelpTraceCaged(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
     while (down && node < leaves) {
       vec2 range = vec2(s_min, kelpSearchEnd(found));
       int left = 2 * node;
-      vec2 in_left = kelpSightRange(ray, KELP_CAGE_LOW(left), KELP_CAGE_HIGH(left), range);
-      vec2 in_right = kelpSightRange(ray, KELP_CAGE_LOW(left + 1), KELP_CAGE_HIGH(left + 1), range);
+      vec2 in_left = kelpBoxRange(ray, KELP_CAGE_LOW(left), KELP_CAGE_HIGH(left), range);
+      vec2 in_right = kelpBoxRange(ray, KELP_CAGE_LOW(left + 1), KELP_CAGE_HIGH(left + 1), range);
       found.hit.outside += 2;
       bool meets_left = in_left.x <= in_left.y;
       bool meets_right = in_right.x <= in_right.y;

@@ -1,25 +1,47 @@
 // SPDX-License-Identifier: MIT
 // Walks through caged parts from their boundary, after cage.glsl.
 
-// Where o + s r may be in a box, s in range; empty: x > y. per: 1 / r.
-KELP_FN vec2 kelpBoxRange(vec3 low, vec3 high, vec3 o, vec3 per, vec2 range) {
-  vec3 a = (low - vec3(KELP_ERODE) - o) * per;
-  vec3 b = (high + vec3(KELP_ERODE) - o) * per;
+// A ray, and two directions across it: u, v and r are a right-handed system.
+struct KelpSight {
+  vec3 o;
+  vec3 r;
+  vec3 per;     // 1 / r
+  vec3 o_low;   // o from the low and the high sides of boxes, which are larger by KELP_ERODE
+  vec3 o_high;
+  vec3 u;
+  vec3 v;
+};
+KELP_FN KelpSight kelpSightAlong(vec3 o, vec3 r) {
+  KelpSight ray;
+  ray.o = o;
+  ray.r = r;
+  ray.per = vec3(abs(r.x) > 1e-18f ? 1.0f / r.x : KELP_NEVER, abs(r.y) > 1e-18f ? 1.0f / r.y : KELP_NEVER,
+                 abs(r.z) > 1e-18f ? 1.0f / r.z : KELP_NEVER);
+  ray.o_low = o + vec3(KELP_ERODE);
+  ray.o_high = o - vec3(KELP_ERODE);
+  // Duff et al., "Building an Orthonormal Basis, Revisited".
+  float sign = r.z < 0.0f ? -1.0f : 1.0f;
+  float a = -1.0f / (sign + r.z);
+  float b = r.x * r.y * a;
+  ray.u = vec3(1.0f + sign * r.x * r.x * a, sign * b, -sign * r.x);
+  ray.v = vec3(b, sign + r.y * r.y * a, -r.y);
+  return ray;
+}
+// Where the ray may be in a box, s in range; empty: x > y.
+KELP_FN vec2 kelpBoxRange(KelpSight ray, vec3 low, vec3 high, vec2 range) {
+  vec3 a = (low - ray.o_low) * ray.per;
+  vec3 b = (high - ray.o_high) * ray.per;
   vec3 first = min(a, b);
   vec3 last = max(a, b);
   return vec2(max(max(first.x, first.y), max(first.z, range.x)),
               min(min(last.x, last.y), min(last.z, range.y)));
 }
-KELP_FN vec3 kelpPerDirection(vec3 r) {
-  return vec3(abs(r.x) > 1e-18f ? 1.0f / r.x : KELP_NEVER, abs(r.y) > 1e-18f ? 1.0f / r.y : KELP_NEVER,
-              abs(r.z) > 1e-18f ? 1.0f / r.z : KELP_NEVER);
-}
-// Where o + s r may meet inverted tetrahedra; empty: x > y.
-KELP_FN vec2 kelpFoldRange(KELP_CONTEXT_ vec3 o, vec3 r) {
+// Where the ray may meet inverted tetrahedra; empty: x > y.
+KELP_FN vec2 kelpFoldRange(KELP_CONTEXT_ KelpSight ray) {
   vec3 low = KELP_CAGE_FOLD_LOW;
   vec3 high = KELP_CAGE_FOLD_HIGH;
   if (!(low.x <= high.x)) return vec2(KELP_NEVER, -KELP_NEVER);
-  return kelpBoxRange(low, high, o, kelpPerDirection(r), vec2(-KELP_NEVER, KELP_NEVER));
+  return kelpBoxRange(ray, low, high, vec2(-KELP_NEVER, KELP_NEVER));
 }
 
 // Where a walk begins anew, the n-th time: beside the point of the start face where it began, by less than is
@@ -45,7 +67,7 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
   hit.room = 0.0;
 #endif
   if (((face >> 2u) & 7u) > 5u) return hit;
-  vec2 fold = kelpFoldRange(KELP_CONTEXT o, r);
+  vec2 fold = kelpFoldRange(KELP_CONTEXT kelpSightAlong(o, r));
   float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
   KelpMarch m = kelpNoMarch();
   uint cell = 0u;
@@ -92,7 +114,7 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
       float slack = g.det * (KELP_CAGE_SLACK / side);
       float f_0 = g.f.x + (((place >> (24u + uint(high))) & 1u) != 0u ? slack : 0.0f);
       float f_3 = g.f.w + (((place >> (24u + uint(low))) & 1u) != 0u ? slack : 0.0f);
-      // Those along which it goes, but for rounding, are not crossed.
+      // A face along which the ray runs, or nearly, is not crossed.
       vec4 speed = abs(g.slope);
       float least = 1e-5f * max(max(speed.x, speed.y), max(speed.z, speed.w));
       float to_0 = entry != 0 && towards.x > least ? f_0 / towards.x : KELP_NEVER;

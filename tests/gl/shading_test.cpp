@@ -7,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "canvas.h"
+#include "support/poses.h"
 #include "support/voxel_points.h"
 
 namespace kelp::test {
@@ -31,14 +32,7 @@ double degreesBetween(const glm::dvec3& a, const glm::dvec3& b) {
 // A solid where `inside` holds at the voxels' centers.
 template <class Inside>
 fields::Occupancy solidWhere(const glm::ivec3& size, Inside&& inside) {
-  fields::Occupancy volume{
-      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
-                                      static_cast<std::size_t>(size.z))};
-  for (int z = 0; z < size.z; ++z)
-    for (int y = 0; y < size.y; ++y)
-      for (int x = 0; x < size.x; ++x)
-        volume.solid[volume.index({x, y, z})] = inside(glm::vec3(x, y, z) + 0.5f);
-  return volume;
+  return voxelsWhere(size, [&](const glm::ivec3& v) { return inside(glm::vec3(v) + 0.5f); });
 }
 
 // Level 0 alone, palette entry and normal of each surface voxel from `look`(center).

@@ -30,7 +30,7 @@ std::string cellText(const SourcePart& part, int cell) {
 
 bool hasCage(const SourcePart& part) { return part.rig.caged && !part.isEmpty(); }
 
-// What readers have left for cages, and for the tables that they need to make one.
+// Bytes that readers have left for cages, and the most that they need while they make one.
 struct Room {
   std::uint64_t decoded = kMostCageBytes, tables = kMostCageBytes, making = 0;
 };

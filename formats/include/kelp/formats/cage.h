@@ -77,7 +77,7 @@ constexpr int firstLevelOfCage(int cell, int cage) {
 constexpr std::uint32_t cageLeaves(std::uint32_t cells) {
   return std::bit_ceil((cells + cells / 4 + kLeafCells - 1) / kLeafCells);
 }
-// What tables that a reader needs only to make a cage take.
+// Bytes that a reader needs while it makes a cage, and then gives back.
 constexpr std::uint64_t cageMakingBytes(std::uint32_t cells) { return std::uint64_t{72} * cells; }
 // Number of cells along each axis.
 constexpr glm::ivec3 cageGrid(const glm::ivec3& size, int side) {

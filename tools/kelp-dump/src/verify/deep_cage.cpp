@@ -13,7 +13,7 @@
 namespace kelp::dump {
 namespace {
 
-// The kind of each cube of a cage. Cubes without cells that have faces in common are all inside, or none is.
+// The kind of each cube of a cage. A cube without cells is inside if the one beside it without cells is.
 class Cubes {
  public:
   explicit Cubes(const Cage& cage)
