@@ -11,7 +11,7 @@
 //   KELP_LEAF_CELLS        most cells of a leaf
 //   KELP_LEAF_CELL(i)      uint: cell i of the leaves, KELP_LEAF_CELLS for each; KELP_CAGE_OUTSIDE: none
 //   KELP_CAGE_FOLD_LOW, KELP_CAGE_FOLD_HIGH  vec3: a box around the inverted tetrahedra; low > high: none
-// KELP_COARSER counts levels that the same cage serves.
+// KELP_COARSER counts levels that are seen through the same cage: 1, or 0 at the coarsest.
 //
 // Of a caged part KelpHit::segment is cell << 3 | tetrahedron: those of the hit, or those from which the ray
 // went on inside. KelpHit::clips counts tetrahedra, KelpHit::outside boxes.

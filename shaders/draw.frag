@@ -63,7 +63,6 @@ void main() {
   if (!p.good) discard;
   kelp_jitter = kelpJitter(vec2(pixel));
   int level = kelpPixelLevel(pixel);
-  if (KELP_CAGED && !kelpCageServes(level)) discard;
   if (!kelpLoadLevel(level)) discard;
 #ifdef KELP_CAGED_ONLY
   KelpHit hit = kelpWalkCaged(kelp_face, kelp_near, p.ray, p.range.x, p.range.y);

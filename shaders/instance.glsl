@@ -7,7 +7,7 @@
 //   of an asset  9 words for each palette entry: base color, emissive, metallic, roughness
 //                then for each part 4 words for each of its levels, finest first: where its cells are, where
 //                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31), where
-//                the cage is whose coarsest level this is (kelp/formats/cage.h); 0: there is none;
+//                its cage is (kelp/formats/cage.h); 0: there is none;
 //                the same for each level of distances, with the squared distance where its band ends << 20
 //                and for fog the meaning of its samples: fog.glsl, kelpLoadFog
 //   of a level   cells and pages as in kelp/formats/page.h
@@ -32,8 +32,8 @@
 //   13..   3 texels for each segment: p0, m0, p1, m1 in a row (spline.glsl, KelpSegment); of a swept part, 4
 //          for each arc and 2 for each joint, one joint more than arcs, as in kelp/formats/sweep.h; of a part
 //          with a cage: lowest corner of the box around inverted tetrahedra | leaves of the tree as a binary
-//          logarithm plus 1, 0: no tree (bits 0..7), the finest level that the cage serves (8..15), the
-//          coarsest (16..23); highest corner | number of the cage's boundary faces; a texel for each node;
+//          logarithm plus 1, 0: no tree (bits 0..7), the cage's level (8..15), the coarsest that is seen
+//          through it (16..23); highest corner | number of the cage's boundary faces; a texel for each node;
 //          2 texels for each box of the tree, lowest and highest corner, twice as many boxes as leaves;
 //          of a leaf, each with the number of a cell in w, 0xffffffff: none
 //   then, with kelp_motion: 4 texels as 0..3 and the segments, of the frame before; of a swept part, a texel
@@ -88,7 +88,7 @@ vec3 kelp_bounds_max;
 #else
 #define KELP_SWEPT (kelp_arc_count > 0)
 #endif
-// The coarsest level that the record's cage serves.
+// The coarsest level that is seen through the record's cage.
 int kelpCageLast() { return min((kelp_cage_shape >> 16) & 255, KELP_MAX_LEVELS - 1); }
 
 // The texel of the record of the i-th part of this draw.
@@ -112,7 +112,7 @@ void kelpLoadRecord(int texel) {
   kelp_cage_at = 0u;
   if (KELP_CAGED) {
     kelp_cage_shape = int(kelpRecordBits(texel + KELP_RECORD).w);
-    kelp_cage_at = kelpWord(high.w + 4u * uint(kelpCageLast()) + 3u);
+    kelp_cage_at = kelpWord(high.w + 4u * uint((kelp_cage_shape >> 8) & 15) + 3u);
   }
 }
 
@@ -120,8 +120,6 @@ void kelpLoadRecord(int texel) {
 int kelpNodesAt() { return kelp_record + KELP_RECORD + 2; }
 int kelpTreeAt() { return kelpNodesAt() + kelp_node_count; }
 int kelpCageLeaves() { return (1 << min(kelp_cage_shape & 255, 28)) >> 1; }
-// False: another record draws the pixels of that level.
-bool kelpCageServes(int level) { return level >= ((kelp_cage_shape >> 8) & 255) && level <= kelpCageLast(); }
 
 mat4 kelpRows(int texel, vec4 last) {
   return transpose(mat4(kelpRecord(texel), kelpRecord(texel + 1), kelpRecord(texel + 2), last));
@@ -156,8 +154,8 @@ uint kelp_cells_at;
 uint kelp_pages_at;
 ivec2 kelp_grid;  // bricks along x and y
 
-// Loads the level, or the next coarser one whose table is in the pool and that has the same cage. False:
-// there is none.
+// Loads the level, or the next coarser one whose table is in the pool and that is seen through the cage.
+// False: there is none.
 bool kelpLoadLevel(int level) {
   uvec4 volume = kelpRecordBits(kelp_record + 11);
   int levels = min(int((volume.w >> 16u) & 255u), KELP_MAX_LEVELS);

@@ -8,10 +8,10 @@
 
 namespace kelp {
 
-Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int levels, int cell, int cage,
+Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int levels, int cell, int level,
                       const Cage* finer, std::uint64_t max_bytes, CageMemory& memory) {
   constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory for a cage"};
-  const Result<Cage> shape = cageShape(size, levels, cell, cage);
+  const Result<Cage> shape = cageShape(size, levels, cell, level);
   if (!shape) return shape;
   CageMaker maker(source, *shape, memory.words.allocator());
   if (const Result<void> r = maker.count(); !r) return r.error();
@@ -35,15 +35,13 @@ Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int leve
 }
 
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) {
-  const std::uint32_t at = cage.follows[node];
+  const std::uint32_t word = cage.follows[node], at = cage.followed(node);
+  if (!(word & kFollowsAll)) return {1, {finer.node(at, static_cast<int>(word & 7))}, {1}};
   // In sides of the finer cell.
   const glm::ivec3 f = cage.rest(node) / finer.side - finer.place(at);
   CageFollow follow;
+  follow.count = 8;
   for (int i = 0; i < 8; ++i) follow.nodes[i] = finer.node(at, i);
-  if (((f.x | f.y | f.z) & ~1) == 0) {  // a corner
-    for (int i = 0; i < 8; ++i) follow.weights[i] = i == (f.x | f.y << 1 | f.z << 2) ? 1.0f : 0.0f;
-    return follow;
-  }
   const glm::vec3 towards = 0.25f * (glm::vec3(f) - 0.5f);
   for (int i = 0; i < 8; ++i)
     follow.weights[i] = 0.125f + (i & 1 ? towards.x : -towards.x) + (i & 2 ? towards.y : -towards.y) +

@@ -34,7 +34,7 @@ bool isInGrid(const glm::ivec3& at, const glm::ivec3& grid) {
 
 // Words of the masks of one cell.
 std::uint32_t maskWordsOf(const Cage& cage) {
-  return cageMaskWords(cage.side, cage.first_level, cage.last_level + 1);
+  return cageMaskWords(cage.side, cage.level, cage.last_level + 1);
 }
 
 }  // namespace
@@ -45,11 +45,11 @@ struct CageMaker::Cube {
   bool inside = false;
 };
 
-Result<Cage> cageShape(const glm::ivec3& size, int levels, int cell, int number) {
+Result<Cage> cageShape(const glm::ivec3& size, int levels, int cell, int level) {
   Cage cage;
-  cage.first_level = cage.last_level = firstLevelOfCage(cell, number);
-  cage.side = cageSide(cell, cage.first_level);
-  while (cage.last_level + 1 < levels && cageOfLevel(cell, cage.last_level + 1) == number) ++cage.last_level;
+  cage.level = level;
+  cage.last_level = std::min(level + 1, levels - 1);
+  cage.side = cageSide(cell, level);
   cage.grid = cageGrid(size, cage.side);
   if (std::max({cage.grid.x, cage.grid.y, cage.grid.z}) > kMostCageCells)
     return wrongCage("a cage has more than 256 cells along an axis: it needs larger cells");
@@ -57,7 +57,7 @@ Result<Cage> cageShape(const glm::ivec3& size, int levels, int cell, int number)
 }
 
 std::size_t cageMaskBytes(const Cage& shape) {
-  const auto side = static_cast<std::size_t>(shape.side >> shape.first_level);
+  const auto side = static_cast<std::size_t>(shape.side >> shape.level);
   return side * side * side / 8;
 }
 
@@ -251,16 +251,16 @@ void CageMaker::joinCells() {
 
 // The masks of all levels of a cell from the bits of the finest. False: there are none.
 bool CageMaker::writeMask(const std::uint8_t* bits, std::uint32_t* words) const {
-  const int finest = cage_.side >> cage_.first_level;
+  const int finest = cage_.side >> cage_.level;
   bool any = false;
   for (int v = 0; v < finest * finest * finest; ++v) {
     if (!(bits[v >> 3] >> (v & 7) & 1)) continue;
     any = true;
-    for (int level = cage_.first_level; level <= cage_.last_level; ++level) {
-      const int side = cage_.side >> level, shift = level - cage_.first_level;
+    for (int level = cage_.level; level <= cage_.last_level; ++level) {
+      const int side = cage_.side >> level, shift = level - cage_.level;
       const int x = v % finest >> shift, y = v / finest % finest >> shift, z = v / finest / finest >> shift;
       const auto bit = static_cast<std::uint32_t>(x + side * (y + side * z));
-      words[cageMaskWords(cage_.side, cage_.first_level, level) + (bit >> 5)] |= 1u << (bit & 31);
+      words[cageMaskWords(cage_.side, cage_.level, level) + (bit >> 5)] |= 1u << (bit & 31);
     }
   }
   return any;
@@ -309,7 +309,15 @@ Result<void> CageMaker::follow(const Cage& finer, std::span<const std::uint32_t>
     follows[i] = source_.follows[named++];
     if (follows[i] >= finer.cells()) return wrongCage("a node of a cage follows a cell that does not exist");
   }
-  return named == source_.follows.size() ? Result<void>() : wrong_count;
+  if (named != source_.follows.size()) return wrong_count;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const glm::ivec3 point(places[i] & 1023, places[i] >> 10 & 1023, places[i] >> 20);
+    const glm::ivec3 f = ratio * point - finer.place(follows[i]);
+    const bool at_corner = ((f.x | f.y | f.z) & ~1) == 0;
+    follows[i] = at_corner ? follows[i] << 3 | static_cast<std::uint32_t>(f.x | f.y << 1 | f.z << 2)
+                           : kFollowsAll | follows[i];
+  }
+  return {};
 }
 
 Result<Cage> CageMaker::write(std::span<std::uint32_t> words, std::span<std::uint32_t> places,
@@ -320,7 +328,7 @@ Result<Cage> CageMaker::write(std::span<std::uint32_t> words, std::span<std::uin
   words[1] = node_count_;
   words[2] = face_count_;
   words[3] = static_cast<std::uint32_t>(std::countr_zero(static_cast<unsigned>(cage_.side)) |
-                                        cage_.first_level << 8 | cage_.last_level << 16);
+                                        cage_.level << 8 | cage_.last_level << 16);
   std::uint32_t face = kCageHeader + kCageCellWords * cell_count_, mask = face + face_count_;
   if (source_.masks.size() != piece_count_ * cageMaskBytes(cage_))
     return wrongCage("a cage's masks do not match the pieces of its cells");

@@ -12,7 +12,7 @@
 namespace kelp {
 
 // A cage without cells: its side, levels and grid. kCorrupt: more than 256 cells along an axis.
-Result<Cage> cageShape(const glm::ivec3& size, int levels, int cell, int cage);
+Result<Cage> cageShape(const glm::ivec3& size, int levels, int cell, int level);
 
 // Bytes of the mask of one piece in CageSource::masks.
 std::size_t cageMaskBytes(const Cage& shape);

@@ -44,7 +44,7 @@ struct CagePlan {
   std::size_t at = 0;  // its counts in the chunk, their lowest bytes
   std::uint64_t words = 0, leaf_slots = 0;
 
-  bool isFinest() const { return shape.first_level == 0; }
+  bool isFinest() const { return shape.level == 0; }
   std::uint32_t followers() const { return isFinest() ? 0 : nodes; }
 };
 
@@ -80,7 +80,7 @@ Result<void> CageTable::countCages() {
     if (log > 4) return corrupt("the cells of a part's cage do not have a side of 2, 4, 8 or 16", at);
     if (log == 0) continue;
     if (out.parts[i].kind != PartKind::kSolid) return corrupt("a part that is not solid has a cage", at);
-    count += static_cast<std::uint64_t>(cageCount(1 << log, out.parts[i].levels));
+    count += static_cast<std::uint64_t>(out.parts[i].levels);
   }
   if (count == 0) return corrupt("there is a cage table, but no part has a cage", 0);
   if ((chunk.size() - layout::kCageTable - parts) / layout::kCageRecord < count)
@@ -98,13 +98,13 @@ Result<void> CageTable::readRecords() {
   std::size_t next = 0;
   for (std::size_t i = 0; i < out.parts.size(); ++i) {
     Part& part = out.parts[i];
-    const int cell = cellOf(i), count = cell ? cageCount(cell, part.levels) : 0;
+    const int cell = cellOf(i), count = cell ? part.levels : 0;
     part.cages = out.cages.span().subspan(next, static_cast<std::size_t>(count));
-    for (int number = 0; number < count; ++number) {
+    for (int level = 0; level < count; ++level) {
       const std::uint32_t* const its = &counts[layout::kCageCounts * next];
       CagePlan& plan = plans[next];
       plan.at = layout::kCageTable + out.parts.size() + layout::kCageCounts * next++;
-      const Result<Cage> shape = cageShape(part.size, part.levels, cell, number);
+      const Result<Cage> shape = cageShape(part.size, part.levels, cell, level);
       if (!shape) return inRecord(shape.error(), plan);
       plan.shape = *shape;
       plan.nodes = its[0];

@@ -270,9 +270,8 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
     if (part.cages.empty()) continue;
     if (part.cell != 2 && part.cell != 4 && part.cell != 8 && part.cell != 16)
       return misuse("the cells of a part's cage do not have a side of 2, 4, 8 or 16");
-    if (part.cages.size() !=
-        static_cast<std::size_t>(cageCount(part.cell, static_cast<int>(part.levels.size()))))
-      return misuse("a part does not have the cages that its levels need");
+    if (part.cages.size() != part.levels.size())
+      return misuse("a part does not have one cage for each of its levels");
     cages += part.cages.size();
     for (const RawCage& cage : part.cages) {
       points += cage.split_points.size();

@@ -87,12 +87,11 @@ bool isComplete(const LevelState* level) {
   return level && level->resident.load(std::memory_order_acquire) == level->data.pages.size();
 }
 
-// The cage for a trace at level `wanted`: the finest, not finer than that which serves it, of whose coarsest
-// level all is in memory, where it is kept. What the next finer cage needs is requested. All of the part's
-// coarsest level is in memory.
+// The cage for a trace at level `wanted`: that of this or the next coarser level of which all that is seen
+// through it is in memory at its coarsest level, where it is kept. What the next finer cage needs is
+// requested. All of the part's coarsest level is in memory.
 const Cage& chooseCage(const PageReader& reader, int part, std::span<const Cage> cages, int wanted) {
-  const Cage* cage = cages.data();
-  while (cage->last_level < wanted) ++cage;
+  const Cage* cage = &cages[static_cast<std::size_t>(wanted)];
   const LevelState *level = reader.level(part, cage->last_level), *finer = nullptr;
   while (!isComplete(level)) {
     finer = level;
@@ -222,7 +221,7 @@ std::optional<Hit> castPart(const Instance& instance, const PageReader& reader, 
   const Cage* cage = nullptr;
   if (!part.cages.empty()) {
     cage = &chooseCage(reader, index, part.cages, wanted);
-    wanted = std::max(wanted, cage->first_level);
+    wanted = cage->level;
     last = cage->last_level;
   }
   LevelBricks bricks[kMaxLevels];

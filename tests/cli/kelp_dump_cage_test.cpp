@@ -65,8 +65,7 @@ TEST_F(KelpDumpCage, InfoSaysWhatThereIs) {
   ASSERT_EQ(comb["cage"]["cages"].size(), 3u);
   const test::NaiveCage naive({22, 13, 3}, 4, 1, test::isComb);
   const json& second = comb["cage"]["cages"][1];
-  EXPECT_EQ(second["first_level"], 1);
-  EXPECT_EQ(second["last_level"], 1);
+  EXPECT_EQ(second["level"], 1);
   EXPECT_EQ(second["cell"], 8);
   EXPECT_EQ(second["cells"], naive.cells.size());
   EXPECT_EQ(second["nodes"], naive.nodes.size());

@@ -190,7 +190,6 @@ std::vector<Seen> CpuBackend::seen(const draw::DrawData& data, bool reversed_dep
               const auto ray = stage.kelpPixelRay(pixel);
               if (!ray.good) return;
               const int level = stage.kelpPixelLevel(pixel);
-              if (stage.kelp_node_count > 0 && !stage.kelpCageServes(level)) return;
               if (!stage.kelpLoadLevel(level)) return;
               auto hit = stage.kelpNoHit(0);
               if constexpr (std::is_same_v<Fragment, shader::Caged>)

@@ -50,9 +50,9 @@ TEST(CagePack, ComesBackExactly) {
     EXPECT_EQ(verify(memory.source(), {}, nullptr, nullptr), 0u);
     for (const Part& part : pack->parts()) {
       for (int level = 0; !part.cages.empty() && level < part.levels; ++level) {
-        const Cage& cage = part.cageOf(level);
-        EXPECT_LE(cage.first_level, level);
-        EXPECT_GE(cage.last_level, level);
+        const Cage& cage = part.cages[static_cast<std::size_t>(level)];
+        EXPECT_EQ(cage.level, level);
+        EXPECT_EQ(cage.last_level, std::min(level + 1, part.levels - 1));
       }
     }
   }

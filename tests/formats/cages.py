@@ -18,25 +18,14 @@ def must(condition, why):
         raise WrongCage(why)
 
 
-def served(cell, levels):
-    """(side, finest level, coarsest level) of each cage of a part, finest first."""
-    cages = []
-    for level in range(levels):
-        side = cell if level == 0 else max(cell, 4 << level)
-        if cages and cages[-1][0] == side:
-            cages[-1][2] = level
-        else:
-            cages.append([side, level, level])
-    return cages
-
-
 class Cage:
-    def __init__(self, side, first, last, size):
-        self.side, self.first, self.last = side, first, last
+    def __init__(self, cell, level, levels, size):
+        self.side = side = cell if level == 0 else max(cell, 4) * 2**level
+        self.level, self.last = level, min(level + 1, levels - 1)
         self.grid = [(n + side - 1) // side for n in size]
         must(max(self.grid) <= 256, "more than 256 cubes along an axis")
         self.cubes = self.grid[0] * self.grid[1] * self.grid[2]
-        self.voxels = side >> first  # along an edge of a mask
+        self.voxels = side >> level  # along an edge of a mask
         self.follows = ()
 
     def block(self, place):
@@ -71,7 +60,7 @@ class Cage:
         for i in range(self.masked):
             finest = int.from_bytes(data[each * i : each * (i + 1)], "little")
             must(finest, "a piece without voxels")
-            for shift in range(self.last - self.first + 1):
+            for shift in range(self.last - self.level + 1):
                 side, mask = self.voxels >> shift, 0
                 for bit in range(self.voxels**3):
                     if finest >> bit & 1:

@@ -62,7 +62,7 @@ inline bool isCage(const Part& part, std::size_t i, const RawPart& raw) {
   const Result<Cage> want =
       makeCage(raw.cages[i].source(), raw.size, static_cast<int>(raw.levels.size()), raw.cell,
                static_cast<int>(i), i > 0 ? &part.cages[i - 1] : nullptr, ~std::uint64_t{0}, memory);
-  return want && cage.side == want->side && cage.first_level == want->first_level &&
+  return want && cage.side == want->side && cage.level == want->level &&
          cage.last_level == want->last_level && cage.grid == want->grid &&
          bytesOf(cage.words) == bytesOf(want->words) && bytesOf(cage.places) == bytesOf(want->places) &&
          bytesOf(cage.follows) == bytesOf(want->follows);

@@ -21,7 +21,7 @@ import sys
 import zlib
 
 from arcs import Folds, Sweep
-from cages import Cage, WrongCage, served
+from cages import Cage, WrongCage
 from read_page import Page, Refused, need
 from xxh3 import xxh3_64
 
@@ -348,8 +348,8 @@ class Pack:
         cages = []
         for part, log in zip(self.parts, logs):
             need(log == 0 or part["kind"] == 0, "a cage of a part that is not solid")
-            for side, first, last in served(1 << log, part["levels"] if log else 0):
-                part["cages"].append(Cage(side, first, last, part["size"]))
+            for level in range(part["levels"] if log else 0):
+                part["cages"].append(Cage(1 << log, level, part["levels"], part["size"]))
             cages += part["cages"]
         numbers = table.planes(5 * len(cages))
         counts = [tuple(numbers[5 * i : 5 * i + 5]) for i in range(len(cages))]
@@ -601,7 +601,7 @@ def crc_words(words):
 def dump_cage(cage):
     flat = lambda lists: [value for values in lists for value in values]
     return "cage side %d levels %d %d cells %d nodes %d faces %d crc %08x %08x %08x %08x %08x %08x %08x" % (
-            cage.side, cage.first, cage.last, len(cage.cells), len(cage.places), len(cage.faces),
+            cage.side, cage.level, cage.last, len(cage.cells), len(cage.places), len(cage.faces),
             crc_words(flat(place for place, _ in cage.cells)), crc_words(flat(cage.corner_nodes)),
             crc_words(flat(cage.beyond)), crc_words(cage.faces), crc_words(cage.masks),
             crc_words(flat(cage.places)), crc_words(cage.follows))

@@ -112,11 +112,11 @@ std::string dump(const Cage& cage) {
   masks.assign(after.begin(), after.end());
   for (std::uint32_t i = 0; i < cage.nodes(); ++i)
     for (int axis = 0; axis < 3; ++axis) rest.push_back(static_cast<std::uint32_t>(cage.rest(i)[axis]));
-  return format("cage side %d levels %d %d cells %u nodes %u faces %u", cage.side, cage.first_level,
+  return format("cage side %d levels %d %d cells %u nodes %u faces %u", cage.side, cage.level,
                 cage.last_level, cage.cells(), cage.nodes(), cage.faces()) +
          format(" crc %08x %08x %08x %08x %08x %08x", crc32(places), crc32(nodes), crc32(beyond),
                 crc32(faces), crc32(masks), crc32(rest)) +
-         format(" %08x\n", crc32(std::vector<std::uint32_t>(cage.follows.begin(), cage.follows.end())));
+         format(" %08x\n", crc32(test::followedCells(cage)));
 }
 
 std::string dumpCages(const RawPart& part) {

@@ -378,8 +378,9 @@ void checkCages(const Pack& pack, const RawPack& raw) {
           !same(cage->follows, cages[i].follows))
         fail("reads back with another", "cage");
       for (std::uint32_t node = 0; i > 0 && node < cage->nodes(); ++node)
-        for (const std::uint32_t finer : cageFollows(*cage, node, cages[i - 1]).nodes)
-          if (finer >= cages[i - 1].nodes()) fail("a node", "follows none");
+        const CageFollow follow = cageFollows(*cage, node, cages[i - 1]);
+      for (const std::uint32_t finer : std::span(follow.nodes, static_cast<std::size_t>(follow.count)))
+        if (finer >= cages[i - 1].nodes()) fail("a node", "follows none");
     }
   }
 }

@@ -133,8 +133,7 @@ TEST_P(BudgetTest, AQuarterOfTheScenesBytesDrawsAllTheTime) {
   EXPECT_GT(moved, budget);
 }
 
-// A cage lies beside the coarsest level that it serves. Where other models take the room, it goes, and it
-// comes again.
+// Cages lie beside their levels. Where other models take the room, they go, and they come again.
 TEST_P(BudgetTest, CagesComeAndGoWithTheirLevels) {
   const Canvas canvas({64, 48});
   const gl::View view = lookAt(canvas, {0.7f, 0.6f, 0.9f}, {0, 0.5f, 0});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parts with cages in a scene: two cages in a picture, streaming, other parts beside them, bad nodes.
+// Parts with cages in a scene: two levels in a picture, streaming, other parts beside them, bad nodes.
 #include <random>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -12,13 +12,13 @@ namespace {
 
 using CagedScene = CagedTest;
 
-// Two levels in a pattern of pixels, and each has a cage of its own.
+// Two levels in a pattern of pixels, through the cage of the finer one.
 constexpr char kLevelSurface[] =
     "vec4 kelpSurface(KelpSurface s) { return vec4(float(s.level) / 10.0, s.rest.xy / s.size.xy, 1.0); }\n";
 
-class TwoCages : public CagedTest {
+class TwoLevels : public CagedTest {
  protected:
-  // Between levels 1 and 2, of which the first has cells of 8 voxels, the second of 16.
+  // Between levels 1 and 2.
   gl::View between(const Canvas& canvas, const Instance& instance) const {
     gl::View view = closeTo(canvas, instance);
     view.quality.pixels_per_voxel = 0.1f;
@@ -38,7 +38,7 @@ class TwoCages : public CagedTest {
   const fields::Occupancy volume_ = ballClump({120, 160, 100}, 20, 2);
 };
 
-TEST_P(TwoCages, EachDrawsItsOwnPixels) {
+TEST_P(TwoLevels, EachDrawsItsOwnPixels) {
   const Canvas canvas({160, 120});
   const LoadedAsset plain(packOf(volume_)), with(cagedPackOf(volume_, 8));
   ASSERT_GT(with.asset->pack().parts()[0].cages.size(), 1u);
@@ -62,9 +62,8 @@ TEST_P(TwoCages, EachDrawsItsOwnPixels) {
   EXPECT_GT(counts[2], 1000);
 }
 
-// The finer one comes when all bricks of the coarsest level that it serves are there; the part is always
-// drawn.
-TEST_P(TwoCages, ComeOneAfterTheOther) {
+// The finer one comes when all bricks of the next coarser one are there; the part is always drawn.
+TEST_P(TwoLevels, ComeOneAfterTheOther) {
   const Canvas canvas({160, 120});
   const std::vector<std::byte> bytes = bytesOf(cagedPackOf(volume_, 8));
   MemorySource source(bytes);
@@ -218,7 +217,7 @@ TEST_P(CagedScene, DebugViewsShowItAndItsCells) {
 }
 
 KELP_GL_TESTS(CagedScene);
-KELP_GL_TESTS(TwoCages);
+KELP_GL_TESTS(TwoLevels);
 
 }  // namespace
 }  // namespace kelp::test

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Parts that are drawn through cages, against the same parts without, which splines bend.
+// Parts that are drawn through cages, against the same parts without, which splines bend, and against
+// raycast().
+#include <random>
+#include <utility>
+
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "caged.h"
+#include "support/all_tests.h"
 #include "support/voxel_points.h"
 #include "swept_pack.h"
 
@@ -182,6 +187,52 @@ TEST_P(CagedTest, RaysOfItsOwnMeetIt) {
   int dark = 0;
   for (const Pixel& pixel : expected) dark += pixel[3] != 0 && pixel[0] == 0;
   EXPECT_GT(dark, 100);
+}
+
+// True if a picture by kRestSurface shows there what a ray hits through that pixel, or 1/64 of a pixel
+// beside.
+bool showsItsHit(const Pixel& pixel, const gl::View& view, const Instance& instance, int x, int y) {
+  const Part& part = instance.asset->pack().parts()[0];
+  const glm::mat4 to_part = glm::inverse(glm::mat4(part.to_object));
+  constexpr double kBeside = 1.0 / 32;
+  for (const glm::dvec2& beside : {glm::dvec2(0), {-kBeside, 0}, {kBeside, 0}, {0, -kBeside}, {0, kBeside}}) {
+    const auto hit = raycast(instance, pixelRay(view, x + beside.x, y + beside.y));
+    if (!hit && pixel[3] == 0) return true;
+    if (!hit || pixel[3] == 0) continue;
+    const glm::vec3 rest = 255.0f * glm::vec3(to_part * glm::vec4(hit->rest, 1)) / glm::vec3(part.size);
+    const glm::vec3 off = glm::abs(rest - glm::vec3(pixel[0], pixel[1], pixel[2]));
+    if (std::max({off.x, off.y, off.z}) < 1.5f) return true;
+  }
+  return false;
+}
+
+// raycast() goes another way, through the tree, and on the CPU.
+TEST_P(CagedTest, APixelShowsWhatItsRayHits) {
+  const Canvas canvas(allTests() ? glm::ivec2(1280, 960) : glm::ivec2(320, 240));
+  const LoadedAsset with(cagedPackOf(ballClump({90, 160, 80}, 30, 5), 8, figureKnots(kFigure6[2])));
+  const auto renderer = makeRenderer(*with.asset, kRestSurface);
+  const runtime::Pose bent = *runtime::Pose::create(*with.asset);
+  runtime::Pose shaken = *runtime::Pose::create(*with.asset);
+  std::mt19937 random(4);
+  for (glm::vec3& node : shaken.nodes(0))
+    for (int axis = 0; axis < 3; ++axis) node[axis] += 0.8f * (static_cast<float>(random()) * 0x1p-31f - 1);
+  int covered = 0, apart = 0;
+  for (const runtime::Pose* const pose : {&bent, &std::as_const(shaken)}) {
+    const Instance instance{with.asset.get(), pose};
+    for (const glm::vec3& from : {glm::vec3(0.5f, 0.3f, 0.8f), glm::vec3(-0.8f, 0.1f, -0.5f)}) {
+      const gl::View view = closeTo(canvas, instance, from);
+      const std::vector<Pixel> picture = draw(*renderer, view, instance, canvas);
+      for (int i = 0; i < canvas.size().x * canvas.size().y; ++i) {
+        const Pixel& pixel = picture[static_cast<std::size_t>(i)];
+        covered += pixel[3] != 0;
+        apart += !showsItsHit(pixel, view, instance, i % canvas.size().x, i / canvas.size().x);
+      }
+    }
+  }
+  RecordProperty("covered", covered);
+  RecordProperty("apart", apart);
+  EXPECT_GT(covered, canvas.size().x * canvas.size().y / 2);
+  EXPECT_LE(apart, covered / 100000);
 }
 
 KELP_GL_TESTS(CagedTest);

@@ -97,7 +97,7 @@ gl::View orthographic(const glm::ivec2& viewport, const glm::vec3& eye, const gl
   return view;
 }
 
-runtime::Ray pixelRay(const gl::View& view, int x, int y) {
+runtime::Ray pixelRay(const gl::View& view, double x, double y) {
   const glm::dmat4 to_world =
       glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye));
   const glm::dvec2 at = 2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(view.camera.viewport) - 1.0;

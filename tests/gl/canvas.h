@@ -104,7 +104,8 @@ inline gl::View orthographic(const Canvas& canvas, const glm::vec3& eye, const g
   return orthographic(canvas.size(), eye, target, half_height, near, far);
 }
 
-// The ray through the center of a pixel, from the near to the far plane: t = 0 .. 1.
-runtime::Ray pixelRay(const gl::View& view, int x, int y);
+// The ray through the center of a pixel, or of a place between them, from the near to the far plane: t = 0
+// .. 1.
+runtime::Ray pixelRay(const gl::View& view, double x, double y);
 
 }  // namespace kelp::test

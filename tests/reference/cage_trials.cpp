@@ -176,7 +176,7 @@ CagedVolume cagedVolume(std::string name, const fields::Occupancy& volume, int c
   out.level = level;
   out.lost = lost;
   out.sources = fields::buildCages(fields::SolidBits(volume, 1), kCageLevels, cell);
-  out.sources.resize(static_cast<std::size_t>(cageOfLevel(cell, level)) + 1);
+  out.sources.resize(static_cast<std::size_t>(level) + 1);
   out.cages.reserve(out.sources.size());
   for (std::size_t i = 0; i < out.sources.size(); ++i) {
     out.memories.push_back(std::make_unique<CageMemory>());

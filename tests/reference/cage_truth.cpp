@@ -67,7 +67,7 @@ CageTruth::CageTruth(const CagedLevel& level, std::span<const glm::vec3> nodes,
   const Cage& cage = *level.cage;
   // Nodes beside cubes inside, by place.
   std::map<std::tuple<int, int, int>, std::uint32_t> at_place;
-  const int finest = cage.side >> cage.first_level;
+  const int finest = cage.side >> cage.level;
   const auto mask_bytes = static_cast<std::uint32_t>(finest * finest * finest / 8);
   std::uint32_t face = 0, mask = 0;
   for (std::uint32_t i = 0; i < cage.cells(); ++i) {
@@ -157,10 +157,10 @@ bool CageTruth::isSolid(const Cube& cube, const ivec3& voxel) const {
   if (in_cube != glm::clamp(in_cube, ivec3(0), ivec3(side_ - 1))) return isJoined(cube, in_cube);
   if (cube.cell < 0 || level_.cage->cell(static_cast<std::uint32_t>(cube.cell))[1] == 0) return true;
   // A coarse voxel is of a piece if any of the finest ones in it is.
-  const int above = level_.level - level_.cage->first_level +
+  const int above = level_.level - level_.cage->level +
                     (level_.coarser.empty() ? 0 : static_cast<int>(level_.coarser[index]));
-  const int finest = level_.cage->side >> level_.cage->first_level, own = 1 << above;
-  const ivec3 first = in_cube << (level_.level - level_.cage->first_level);
+  const int finest = level_.cage->side >> level_.cage->level, own = 1 << above;
+  const ivec3 first = in_cube << (level_.level - level_.cage->level);
   const ivec3 coarse = own * (first / own);
   const std::uint8_t* const mask = &level_.source.masks[mask_at_[static_cast<std::size_t>(cube.cell)]];
   for (int i = 0; i < own * own * own; ++i) {

@@ -27,8 +27,12 @@ struct Range {
 
 class BruteCage {
  public:
-  BruteCage(const CagedAsset& asset, int level)
-      : asset_(asset), level_(level), cage_(asset.part().cageOf(level)), solid_(asset.volume) {
+  // Voxels of a level in the cage of this level, or of a finer one.
+  BruteCage(const CagedAsset& asset, int level, int cage)
+      : asset_(asset),
+        level_(level),
+        cage_(asset.part().cages[static_cast<std::size_t>(cage)]),
+        solid_(asset.volume) {
     for (int l = 0; l < level; ++l) solid_ = fields::coarser(solid_);
     for (std::uint32_t i = 0; i < cage_.cells(); ++i) voxels_.push_back(voxelsOf(i));
   }
@@ -123,8 +127,8 @@ struct Judged {
 
 // Rays from all around at one part in a turned and scaled world.
 Judged judge(const CagedAsset& asset, const Pose& pose, int level, int rays, unsigned seed) {
-  const BruteCage truth(asset, level);
-  const PosedCage posed = asset.posed(pose, cageOfLevel(asset.part().cages[0].side, level));
+  const BruteCage truth(asset, level, level);
+  const PosedCage posed = asset.posed(pose, level);
   Instance instance = asset.instance(pose);
   instance.to_world =
       glm::mat4(glm::vec4(0, 0, 2, 0), glm::vec4(0, 2, 0, 0), glm::vec4(2, 0, 0, 0), glm::vec4(3, -2, 1, 1));
@@ -289,7 +293,7 @@ TEST(CageRaycast, PiecesWithMissingBricks) {
   Pose pose = whole.pose();
   shakeNodes(pose.nodes(0), 1, 4);
   const PosedCage posed = whole.posed(pose);
-  const BruteCage fine(whole, 0), coarse(whole, 1);
+  const BruteCage fine(whole, 0, 0), coarse(whole, 1, 0);
   const std::unique_ptr<Asset> asset = Asset::open(whole.loaded.source.source()).value();
   const Instance instance{asset.get(), &pose};
   std::mt19937 random(6);
@@ -335,7 +339,7 @@ TEST(CageRaycast, ComesWithTheLevelsThatAreThere) {
     const auto hit = raycast(instance, ray);
     if (!hit) continue;
     levels.insert(hit->level);
-    const Cage& cage = part.cageOf(hit->level);
+    const Cage& cage = part.cages[static_cast<std::size_t>(hit->level)];
     EXPECT_LE(asset->residentLevel(0, cage.last_level).value(), cage.last_level);
     const auto deepest = raycast(instance, ray, part.levels - 1);
     EXPECT_EQ(deepest->level, part.levels - 1);

@@ -31,7 +31,7 @@ std::span<const Knot> knotsOf(const RecordHead& part, const runtime::Instance& i
 const Cage* cageOf(const RecordHead& record, const runtime::Instance& instance) {
   if (!(record.segments & kCagedSpline) || record.segments >= kSweptSpline) return nullptr;
   const auto& head = reinterpret_cast<const CageHead&>(*(&record + 1));
-  return &instance.asset->pack().parts()[record.part].cageOf(static_cast<int>(head.shape >> 16));
+  return &instance.asset->pack().parts()[record.part].cages[head.shape >> 8 & 255];
 }
 
 }  // namespace

@@ -165,7 +165,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     candidate.sound = true;
     candidate.roll = rollOf(parts[part], instance.pose, static_cast<int>(part));
     candidate.arcs = 0;
-    candidate.cages = 0;
+    candidate.caged = false;
     PosedParts& posed = posed_[i / 8];
     const std::size_t k = i % 8;
     posed.knots[k] = knots;
@@ -209,7 +209,7 @@ const Error* DrawList::addBlock(const Frame& frame) {
   // Parts that stood otherwise in the frame before may have had more arcs.
   const std::size_t before = arc_texels_ > 0 && frame.movesPictures() ? count * (arcTexels(kMaxArcs) + 1) : 0;
   // One texel more, because writeSegments writes one number too many.
-  if (!order_.grow(count_ + 2 * count) ||
+  if (!order_.grow(count_ + count) ||
       !records_.grow(texels_ + count * (kHeadTexels + kMotionTexels + 1) + 2 * 3 * segments + arc_texels_ +
                      cage_texels_ + before + 1))
     return &kNoMemoryForFrame;
@@ -248,12 +248,11 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
     const bool is_seen = judged.seen >> k & 1;
     candidate.drawn = candidate.recorded = false;
     if (!candidate.sound) continue;
-    const Detail wanted = Detail::of(candidate.cages > 0 ? candidate.level : judged.level.of[k]);
+    const Detail wanted = Detail::of(candidate.caged ? candidate.level : judged.level.of[k]);
     if (placed_[eight].invertible >> k & 1)
       Residency::want(resident, wanted.level, std::min(judged.pixels.of[k], 1e4f));
     candidate.coarse = wanted.level < resident.finest;
     candidate.detail = candidate.coarse ? Detail{resident.finest, 0} : wanted;
-    if (candidate.cages > 0) chooseCages(candidate);
     candidate.drawn = is_seen && resident.finest != resident.levels;
     candidate.recorded = candidate.drawn || (frame.rings && candidate.asset->packed.size() > 1 &&
                                              (placed_[eight].invertible >> k & 1));

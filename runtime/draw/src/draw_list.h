@@ -19,8 +19,8 @@ inline constexpr std::uint32_t kOwnPalette = 0x80000000u;
 // cages that are drawn by their bounds.
 enum class Way : std::uint32_t { kSheared, kSwept, kCaged, kTraced };
 inline constexpr std::uint32_t kWays = 4;
-// Bits of keys below those that are compared. kSecond: the record of a part with the second of its cages.
-inline constexpr std::uint32_t kSweptFog = 1, kSecond = 2;
+// A bit of keys below those that are compared.
+inline constexpr std::uint32_t kSweptFog = 1;
 
 // Reused from frame to frame; allocates only to grow.
 class DrawList {
@@ -42,7 +42,7 @@ class DrawList {
   Result<void> build(Residency& store, const Projection& projection, const View& view,
                      std::span<const runtime::Instance> instances, PartKind kind, Rays rays, bool boxes);
 
-  // Records to draw, in order: one for each part, two for one that is drawn through two cages.
+  // To draw, in order.
   std::uint32_t parts() const { return static_cast<std::uint32_t>(count_); }
   // Of solids: the place of the first that is drawn so, or in a later way.
   std::uint32_t begin(Way way) const { return begins_[static_cast<std::size_t>(way)]; }
@@ -103,11 +103,10 @@ class DrawList {
     float tolerance;      // of its arcs
     std::size_t arcs_at;  // in arcs_
     std::uint32_t arcs;   // how many; 0: it is no swept one
-    // Of a part with cages: which it is drawn through, how many (0: it has none), and these as they are
-    // posed.
-    int cage, cages;
+    // Of a part with cages. Its `detail` begins at the level of the cage that it is drawn through.
+    bool caged;
     float level;  // as Detail::of, by where its finest cage is
-    runtime::PosedCage posed[2];
+    runtime::PosedCage posed;
   };
   // The materials of an instance, which follow the records.
   struct Palette {
@@ -127,8 +126,7 @@ class DrawList {
   void judgeAbout(const Frame& frame, std::size_t eight, JudgedParts& judged) const;
   const Error* listArcs(std::size_t eight, std::size_t k, float level);
   const Error* boundCaged(const Frame& frame, std::size_t eight, std::size_t count);
-  const Error* poseCages(std::size_t eight, std::size_t k, const CageChoice& choice, runtime::CageUse use);
-  static void chooseCages(Candidate& candidate);
+  const Error* poseCage(std::size_t eight, std::size_t k, int level, runtime::CageUse use);
   const Error* place(const Frame& frame, std::size_t eight, std::size_t count);
   const Error* leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why);
   const runtime::Instance* clampIfUnsound(const Frame& frame, const runtime::Instance& instance,
@@ -142,10 +140,9 @@ class DrawList {
   void choose(const Frame& frame, std::size_t eight, std::size_t count);
   void write(const Frame& frame, std::size_t eight, std::size_t count);
   glm::uvec4* writeSpline(const Frame& frame, const Candidate& candidate, const PosedParts& posed,
-                          std::size_t k, int which, bool traced, glm::uvec4* out);
+                          std::size_t k, bool traced, glm::uvec4* out);
   // Writes what is not computed in lanes.
   void finish(const Frame& frame, const Candidate& candidate, Way way, float nearest, RecordHead& head);
-  void addSecond(const Candidate& candidate, const RecordHead& first, RecordHead& second);
   Result<void> writeOrder(PartKind kind);
 
   Candidate block_[kBlock]{};  // the first waiting_
@@ -163,7 +160,7 @@ class DrawList {
   std::size_t arc_texels_ = 0;
   std::size_t cage_texels_ = 0;  // that records of the block's parts with cages may take
   std::size_t count_ = 0;
-  std::uint32_t begins_[kWays + 1] = {}, seconds_ = 0;
+  std::uint32_t begins_[kWays + 1] = {};
   std::size_t texels_ = 0;
   std::size_t rows_ = 0;
   // The ring of records that is being made: its instance, its first record, where its last record leads on.

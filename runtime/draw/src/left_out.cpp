@@ -10,7 +10,7 @@
 namespace kelp::draw {
 
 void DrawList::count(Stats& stats) const {
-  stats.instances = parts() - seconds_;
+  stats.instances = parts();
   stats.culled = culled_;
   stats.too_small = too_small_;
   stats.waiting = parts_waiting_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "record_cage.h"
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -14,22 +13,6 @@ glm::uvec4 texelOf(const glm::vec3& v, std::uint32_t more = 0) {
 }
 
 }  // namespace
-
-CageChoice CageChoice::of(const Part& part, float level, int finest, bool one) {
-  const Detail about = Detail::of(level);
-  const int drawn = std::min(std::max(about.level, finest), part.levels - 1);
-  CageChoice choice;
-  choice.first = cageOfLevel(part.cages[0].side, drawn);
-  const bool mixed = drawn == about.level && about.coarser > 0;
-  if (mixed && !one && drawn == part.cages[static_cast<std::size_t>(choice.first)].last_level)
-    choice.count = 2;
-  return choice;
-}
-
-Detail servedDetail(const Detail& wanted, int finest, int coarsest) {
-  if (wanted.level < finest) return {finest, 0};
-  return wanted.level < coarsest ? wanted : Detail{coarsest, 0};
-}
 
 std::size_t cageTexels(const runtime::PosedCage& posed, bool tree) {
   return kCageHeadTexels + posed.nodes.size() + (tree ? 4 * std::size_t{posed.leaves} : 0);
@@ -44,7 +27,7 @@ glm::uvec4* writeCage(const runtime::PosedCage& posed, glm::uvec4* out) {
   const Cage& cage = *posed.cage;
   const auto leaves = static_cast<std::uint32_t>(std::bit_width(posed.tree.size() / 2));
   const CageHead head{posed.inverted.min,
-                      leaves | static_cast<std::uint32_t>(cage.first_level) << 8 |
+                      leaves | static_cast<std::uint32_t>(cage.level) << 8 |
                           static_cast<std::uint32_t>(cage.last_level) << 16,
                       posed.inverted.max, cage.faces()};
   std::memcpy(static_cast<void*>(out), &head, sizeof head);

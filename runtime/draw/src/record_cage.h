@@ -6,9 +6,7 @@
 
 #include <glm/gtc/type_precision.hpp>
 
-#include "detail.h"
 #include "kelp/cages/posed_cage.h"
-#include "kelp/formats/model.h"
 
 namespace kelp::draw {
 
@@ -18,25 +16,14 @@ inline constexpr std::uint32_t kCagedSpline = 0x40000000u;
 // The texels between a record's head and the nodes.
 struct CageHead {
   glm::vec3 fold_low;
-  // Leaves of the tree as a binary logarithm plus 1, 0: there is no tree | the finest level that the cage
-  // serves << 8 | the coarsest << 16.
+  // Leaves of the tree as a binary logarithm plus 1, 0: there is no tree | the cage's level << 8 | the
+  // coarsest that is seen through it << 16.
   std::uint32_t shape;
   glm::vec3 fold_high;
   std::uint32_t faces;
 };
 static_assert(sizeof(CageHead) == 2 * sizeof(glm::uvec4));
 inline constexpr std::size_t kCageHeadTexels = 2;
-
-// The cages of a part that its pixels are drawn through: `count` of them, 1 or 2, from `first` on. Two where
-// the pattern of pixels is between two levels with different cages.
-struct CageChoice {
-  int first = 0, count = 1;
-  // Of a part that is drawn at about that level (Detail::of), or, if that is coarser, at `finest`. one: never
-  // two.
-  static CageChoice of(const Part& part, float level, int finest, bool one);
-};
-// Detail within the levels that a choice of cages serves.
-Detail servedDetail(const Detail& wanted, int finest, int coarsest);
 
 // Of the nodes, the tree if there is to be one, and the head of both.
 std::size_t cageTexels(const runtime::PosedCage& posed, bool tree);

@@ -106,7 +106,7 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
   std::uint32_t outlines[8] = {};
   if (frame.rays == Rays::kView) outlineParts(frame.projection.eye.w == 0, placed, outlines);
   RecordHead unused;
-  RecordHead *heads[8], *seconds[8] = {};
+  RecordHead* heads[8];
   Way ways[8] = {};
   // Segments first, because each overwrites what follows it.
   glm::uvec4* const begin = &records_[texels_];
@@ -118,19 +118,12 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
     heads[k] = reinterpret_cast<RecordHead*>(out);
     const auto record = static_cast<std::uint32_t>(out - records_.data());
     bool traced = frame.boxes || outlines[k] == 0 || meetsNearPlane(frame.view.camera, placed, k);
-    if (traced && !frame.boxes && frame.rays == Rays::kView && candidate.cages > 0) {
-      traced = false;
-      for (int cage = 0; cage < candidate.cages; ++cage)
-        traced = traced || !beginsInFaces(frame.view.camera, placed, k, candidate.posed[cage]);
-    }
-    ways[k] = candidate.cages > 0  ? (traced ? Way::kTraced : Way::kCaged)
+    if (traced && !frame.boxes && frame.rays == Rays::kView && candidate.caged)
+      traced = !beginsInFaces(frame.view.camera, placed, k, candidate.posed);
+    ways[k] = candidate.caged      ? (traced ? Way::kTraced : Way::kCaged)
               : candidate.arcs > 0 ? Way::kSwept
                                    : Way::kSheared;
-    out = writeSpline(frame, candidate, posed, k, 0, traced, out + kHeadTexels);
-    if (candidate.cages > 1) {
-      seconds[k] = reinterpret_cast<RecordHead*>(out);
-      out = writeSpline(frame, candidate, posed, k, 1, traced, out + kHeadTexels);
-    }
+    out = writeSpline(frame, candidate, posed, k, traced, out + kHeadTexels);
     if (frame.rings) link(candidate, record, static_cast<std::size_t>(out++ - records_.data()));
   }
   if (out == begin) return;
@@ -139,25 +132,23 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
     if (heads[k] == &unused) continue;
     const Candidate& candidate = block_[8 * eight + k];
-    heads[k]->segments = candidate.cages > 0
-                             ? kCagedSpline | static_cast<std::uint32_t>(candidate.posed[0].nodes.size())
+    heads[k]->segments = candidate.caged
+                             ? kCagedSpline | static_cast<std::uint32_t>(candidate.posed.nodes.size())
                          : candidate.arcs > 0 ? kSweptSpline | candidate.arcs
                                               : static_cast<std::uint32_t>(posed.knots[k].size() - 1);
     heads[k]->outline = outlines[k];
     finish(frame, candidate, ways[k], placed.nearest.of[k], *heads[k]);
-    if (seconds[k]) addSecond(candidate, *heads[k], *seconds[k]);
   }
 }
 
-// Writes the part of a record behind its head: how the part is bent now and in the frame before. which: the
-// number of its cage.
+// Writes the part of a record behind its head: how the part is bent now and in the frame before.
 glm::uvec4* DrawList::writeSpline(const Frame& frame, const Candidate& candidate, const PosedParts& posed,
-                                  std::size_t k, int which, bool traced, glm::uvec4* out) {
-  if (candidate.cages > 0) {
-    runtime::PosedCage posed_cage = candidate.posed[which];
+                                  std::size_t k, bool traced, glm::uvec4* out) {
+  if (candidate.caged) {
+    runtime::PosedCage posed_cage = candidate.posed;
     if (traced || frame.hasTrees())  // its pose was good when it was bounded
       posed_cage = runtime::posedCage(*candidate.instance, static_cast<int>(candidate.part),
-                                      candidate.cage + which, runtime::CageUse::kTree)
+                                      candidate.detail.level, runtime::CageUse::kTree)
                        .value();
     out = writeCage(posed_cage, out);
   } else if (candidate.arcs > 0) {
@@ -168,17 +159,8 @@ glm::uvec4* DrawList::writeSpline(const Frame& frame, const Candidate& candidate
   }
   if (frame.movesPictures())
     out = writeMotion(*frame.view.camera.previous_world_to_clip, *candidate.instance, candidate.part,
-                      candidate.tolerance, candidate.cage + which, chain_, out);
+                      candidate.tolerance, candidate.detail.level, chain_, out);
   return out;
-}
-
-// The record of the part with the second of its cages, which is drawn after the one with the first.
-void DrawList::addSecond(const Candidate& candidate, const RecordHead& first, RecordHead& second) {
-  second = first;
-  second.segments = kCagedSpline | static_cast<std::uint32_t>(candidate.posed[1].nodes.size());
-  order_[count_] = order_[count_ - 1];
-  order_[count_].key |= kSecond;
-  order_[count_++].texel = texelOf(second);
 }
 
 // Makes a record the last one of its instance's ring. `place`: where it leads on.
@@ -203,7 +185,7 @@ void DrawList::finish(const Frame& frame, const Candidate& candidate, Way way, f
     ordered.key = ascending(frame.projection.eye.w == 0 ? alongView(frame.projection.eye, head)
                                                         : std::max(nearest, 0.0f));
     ordered.key = fog ? (ordered.key & ~kSweptFog) | (swept ? kSweptFog : 0)
-                      : (ordered.key & ~kSecond) | static_cast<std::uint32_t>(way) << kWayShift;
+                      : ordered.key | static_cast<std::uint32_t>(way) << kWayShift;
     ordered.texel = texelOf(head);
   }
 
@@ -224,7 +206,6 @@ void DrawList::finish(const Frame& frame, const Candidate& candidate, Way way, f
 // fractions are enough: three rounds of a stable radix sort.
 Result<void> DrawList::writeOrder(PartKind kind) {
   std::fill_n(begins_, kWays + 1, 0u);
-  seconds_ = 0;
   if (count_ == 0) return {};
   rows_ = (texels_ + (count_ + 3) / 4 + kRecordWidth - 1) / kRecordWidth;
   if (!records_.grow(rows_ * kRecordWidth) || !sorted_.grow(count_)) return kNoMemoryForFrame;
@@ -247,10 +228,7 @@ Result<void> DrawList::writeOrder(PartKind kind) {
     std::swap(order_, sorted_);
   }
   if (kind == PartKind::kSolid) {
-    for (const Ordered& ordered : order_.span().first(count_)) {
-      ++begins_[(ordered.key >> kWayShift) + 1];
-      seconds_ += (ordered.key & kSecond) != 0;
-    }
+    for (const Ordered& ordered : order_.span().first(count_)) ++begins_[(ordered.key >> kWayShift) + 1];
     for (std::uint32_t way = 1; way <= kWays; ++way) begins_[way] += begins_[way - 1];
   }
   std::uint32_t* const numbers = reinterpret_cast<std::uint32_t*>(&records_[texels_]);

@@ -38,7 +38,10 @@ void Residency::changeTable(ResidentLevel& level) {
   if (!level.asset->level(part, part.levels - 1).complete()) return;
   while (part.finest > 0) {
     const ResidentLevel& finer = level.asset->level(part, part.finest - 1);
-    if (finer.grid_row == 0 || !(finer.cage.empty() || finer.complete())) break;
+    if (finer.grid_row == 0) break;
+    // What a cage lacks is seen one level coarser.
+    if (!finer.cage.empty() && part.finest < part.levels && !level.asset->level(part, part.finest).complete())
+      break;
     --part.finest;
   }
 }

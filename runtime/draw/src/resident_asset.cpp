@@ -37,8 +37,7 @@ void writeFog(const Fog& fog, std::span<std::uint32_t> words) {
 // The words of the cage that lies behind a level's grid: shaders/instance.glsl.
 std::span<const std::uint32_t> cageBehind(const Part& part, const runtime::LevelId& id) {
   if (id.distances || part.cages.empty()) return {};
-  const Cage& cage = part.cageOf(id.level);
-  return id.level == cage.last_level ? cage.words : std::span<const std::uint32_t>();
+  return part.cages[static_cast<std::size_t>(id.level)].words;
 }
 
 // Of distances; 0: none belong into the pool.

@@ -24,7 +24,7 @@ struct ResidentLevel {
   runtime::LevelId id;
   glm::ivec3 grid{0};       // bricks
   std::uint32_t table = 0;  // its words in the asset's tables: shaders/instance.glsl
-  // Of the cage that lies behind its grid: it is the coarsest level that the cage serves. Else empty.
+  // Of its cage, which lies behind its grid; empty: it has none.
   std::span<const std::uint32_t> cage;
   Worth worth;
   std::uint32_t grid_row = 0;       // 0: not in the pool
@@ -51,8 +51,7 @@ struct ResidentPart {
   std::int32_t levels = 0;
   std::int32_t distances = 0;  // levels of them
   // The finest level that can be drawn: its grid, and those of all coarser ones, are in the pool; of a caged
-  // part so is the cage that serves it, with all bricks of the coarsest level that it serves. `levels`: the
-  // part cannot be drawn.
+  // part so are all bricks of the next coarser one. `levels`: the part cannot be drawn.
   std::int32_t finest = 0;
   Want want;
   glm::vec4 extent{0};      // size, level-0 voxels; levels

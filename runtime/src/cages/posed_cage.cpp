@@ -163,7 +163,8 @@ void placeCoarser(const Pose& pose, int part, std::span<const Cage> cages, int c
     for (std::uint32_t i = 0; i < in[cage].node_count; ++i) {
       const CageFollow follow = cageFollows(coarser, i, finer);
       Lanes at = 0.0f;
-      for (int k = 0; k < 8; ++k) at = at + follow.weights[k] * Lanes::load(&from[follow.nodes[k]].x);
+      for (int k = 0; k < follow.count; ++k)
+        at = at + follow.weights[k] * Lanes::load(&from[follow.nodes[k]].x);
       in[cage].nodes[i] = cornerOf(at);
     }
     return true;

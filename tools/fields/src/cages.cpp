@@ -22,7 +22,7 @@ class CageBuilder {
  public:
   CageBuilder(const SolidBits& solid, int side)
       : lattice_(finestLattice(solid, side)), finest_(solid), finer_(nullptr), level_(0) {}
-  // The next coarser one. level: the finest that it serves.
+  // That of the next coarser level.
   CageBuilder(const CageBuilder& finer, int side, int level)
       : lattice_(coarserLattice(finer.lattice_, finer.finest_.size(), side)),
         finest_(finer.finest_),
@@ -140,7 +140,7 @@ class CageBuilder {
     });
   }
 
-  // Calls visit(voxel) for the voxels of a cell, at the finest level that this cage serves.
+  // Calls visit(voxel) for the voxels of a cell, of the cage's level.
   template <class Visit>
   void forEachVoxel(const glm::ivec3& at, int piece, const Visit& visit) const {
     const std::uint32_t cube = lattice_.index(at);
@@ -279,7 +279,7 @@ class CageBuilder {
   const SolidBits& finest_;          // level 0
   std::optional<SolidBits> coarse_;  // level_, if that is coarser
   const CageBuilder* finer_;
-  int level_;  // the finest that the cage serves
+  int level_;
   RawCage cage_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> numbers_;  // cubes, and their first cells
   // Of the point at hand: its cubes; their cells, in two orders; the node of each cell.
@@ -301,8 +301,7 @@ std::vector<RawCage> buildCages(const SolidBits& solid, int levels, int cell) {
   std::vector<RawCage> cages;
   auto built = std::make_unique<CageBuilder>(solid, cell);
   built->make();
-  for (int i = 1; i < cageCount(cell, levels); ++i) {
-    const int level = firstLevelOfCage(cell, i);
+  for (int level = 1; level < levels; ++level) {
     auto next = std::make_unique<CageBuilder>(*built, cageSide(cell, level), level);
     next->make();
     cages.push_back(built->take());

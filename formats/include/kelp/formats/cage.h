@@ -17,7 +17,7 @@
 //   0            cells
 //   1            nodes
 //   2            faces
-//   3            binary logarithm of the side | finest level that it serves << 8 | coarsest << 16
+//   3            binary logarithm of the side | its level << 8 | coarsest level seen through it << 16
 //   4 ..         12 words for each cell, in Morton order of their place, then in the order of pieces:
 //                  0        its place: x | y << 8 | z << 16, in sides; bit 24 + i: word 6 + i is
 //                           kCageOutside; bit 30: it has masks
@@ -29,8 +29,8 @@
 //                           kCageInside: the solid goes on, without a cell
 //   then         for each boundary face of a tetrahedron, that is one beyond which there is no cell:
 //                cell << 5 | tetrahedron << 2 | face
-//   then         masks: for each level that the cage serves, finest first, a bit for each of its voxels in
-//                the cell, x fastest, then y, then z, 32 to a word: 1 if the voxel belongs to this piece
+//   then         masks: for its level and the next coarser one, if the part has that, a bit for each voxel
+//                in the cell, x fastest, then y, then z, 32 to a word: 1 if the voxel belongs to this piece
 #pragma once
 
 #include <algorithm>
@@ -47,6 +47,7 @@ namespace kelp {
 
 inline constexpr std::uint32_t kCageHeader = 4;      // words before the cells
 inline constexpr std::uint32_t kCageCellWords = 12;  // of a cell
+inline constexpr std::uint32_t kFollowsAll = 0x80000000u;
 inline constexpr std::uint32_t kCageOutside = 0xffffffffu, kCageInside = 0xfffffffeu;
 inline constexpr int kMostCageCells = 256;            // along an axis
 inline constexpr std::uint8_t kInsideBlock = 255;     // in CageSource::blocks
@@ -57,22 +58,8 @@ inline constexpr int kCageNodeBits = 22;
 inline constexpr std::uint32_t kMaxCageNodes = 1u << kCageNodeBits;
 
 // The side of the cells in which a level is bent, in level-0 voxels. cell: that of level 0: 2, 4, 8 or 16.
-// Coarser levels have coarser cells, so that four of their voxels fit along one. Several levels may share a
-// cage.
-constexpr int cageSide(int cell, int level) { return level == 0 ? cell : std::max(cell, 4 << level); }
-// Of a part with so many levels: how many cages it has; which of them, finest first, serves a level; the
-// finest level that a cage serves.
-constexpr int cageOfLevel(int cell, int level) {
-  int cage = 0;
-  for (int l = 1; l <= level; ++l) cage += cageSide(cell, l) != cageSide(cell, l - 1);
-  return cage;
-}
-constexpr int cageCount(int cell, int levels) { return cageOfLevel(cell, levels - 1) + 1; }
-constexpr int firstLevelOfCage(int cell, int cage) {
-  int level = 0;
-  while (cageOfLevel(cell, level) < cage) ++level;
-  return level;
-}
+// So those of coarser levels have as many of their own voxels along a side, but at least four.
+constexpr int cageSide(int cell, int level) { return level == 0 ? cell : std::max(cell, 4) << level; }
 // Leaves of the complete binary tree over so many posed cells: a power of two.
 constexpr std::uint32_t cageLeaves(std::uint32_t cells) {
   return std::bit_ceil((cells + cells / 4 + kLeafCells - 1) / kLeafCells);
@@ -84,10 +71,10 @@ constexpr glm::ivec3 cageGrid(const glm::ivec3& size, int side) {
   return {(size.x + side - 1) / side, (size.y + side - 1) / side, (size.z + side - 1) / side};
 }
 
-// Words of a cell's masks of the levels first_level to level - 1.
-constexpr std::uint32_t cageMaskWords(int side, int first_level, int level) {
+// Words of a cell's masks of the levels `own` to level - 1.
+constexpr std::uint32_t cageMaskWords(int side, int own, int level) {
   std::uint32_t words = 0;
-  for (int l = first_level; l < level; ++l) {
+  for (int l = own; l < level; ++l) {
     const auto along = static_cast<std::uint32_t>(side >> l);
     words += std::max(along * along * along / 32, 1u);
   }
@@ -99,9 +86,9 @@ struct CageSource {
   // One for each cube of the grid, x fastest, then y, then z: 0: no solid; 1 .. 254: so many pieces, each a
   // cell; kInsideBlock.
   std::span<const std::uint8_t> blocks;
-  // For each cube of several pieces, in Morton order, for each piece: a bit for each voxel of the finest
-  // level that the cage serves, x fastest, then y, then z, the lowest bit of a byte first: 1 if it is of that
-  // piece. (side >> level)^3 / 8 bytes.
+  // For each cube of several pieces, in Morton order, for each piece: a bit for each voxel of the cage's
+  // level, x fastest, then y, then z, the lowest bit of a byte first: 1 if it is of that piece.
+  // (side >> level)^3 / 8 bytes.
   std::span<const std::uint8_t> masks;
   // The points of the lattice at which not all corners of cells are one node, ascending: x + (grid.x + 1) (y
   // + (grid.y + 1) z). And for each, one number for each corner of a cell there, in the order of cells and
@@ -124,11 +111,13 @@ constexpr std::uint32_t cageNode(const std::uint32_t* cell, int corner) {
 // A cage in memory. The spans lie in memory that the Pack owns, or a CageMemory.
 struct Cage {
   int side = 0;                           // of a cell, level-0 voxels
-  int first_level = 0, last_level = 0;    // that it serves, finest and coarsest
+  int level = 0;                          // that is bent by it
+  int last_level = 0;                     // the coarsest seen through it: the next one, if there is that
   glm::ivec3 grid{0};                     // cells along each axis
   std::span<const std::uint32_t> words;   // as above
   std::span<const std::uint32_t> places;  // one a node: where the lattice is: x | y << 10 | z << 20, in sides
-  // Of coarser cages, one a node: the cell of the next finer cage that it moves with: cageFollows().
+  // Of coarser cages, one a node: the cell of the next finer cage that it moves with << 3 | the corner of the
+  // cell where it is; or, if it is at none, kFollowsAll | the cell.
   std::span<const std::uint32_t> follows;
   // Cells of the tree's leaves, kLeafCells of each, the first of them first; kCageOutside: none.
   std::span<const std::uint32_t> leaves;
@@ -148,7 +137,11 @@ struct Cage {
   glm::ivec3 place(std::uint32_t cell) const { return unpack(this->cell(cell)[0], 8); }
   // The word where the mask of a level begins, of a cell that has masks.
   std::uint32_t maskAt(std::uint32_t cell, int level) const {
-    return this->cell(cell)[1] + cageMaskWords(side, first_level, level);
+    return this->cell(cell)[1] + cageMaskWords(side, this->level, level);
+  }
+  // The cell of the next finer cage that a node moves with: cageFollows().
+  std::uint32_t followed(std::uint32_t node) const {
+    return follows[node] & kFollowsAll ? follows[node] & ~kFollowsAll : follows[node] >> 3;
   }
   // Where a node is at rest, level-0 voxels.
   glm::ivec3 rest(std::uint32_t node) const { return side * unpack(places[node], 10); }
@@ -179,18 +172,19 @@ inline constexpr CageTetrahedron kCageTetrahedra[6] = {{{0, 1, 2}, {0, 1, 3, 7}}
                                                        {{2, 0, 1}, {0, 4, 5, 7}}, {{2, 1, 0}, {0, 4, 6, 7}}};
 
 // The nodes of a cell of the finer cage and their weights, which sum to 1: where a node of a coarser cage
-// goes. At a corner of that cell it is that node; elsewhere the cell's mean gradient takes it there.
+// goes. At a corner of that cell it is that node alone; elsewhere the cell's mean gradient takes it there.
 struct CageFollow {
+  int count;  // 1 or 8
   std::uint32_t nodes[8];
   float weights[8];
 };
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer);
 
-// Makes the cage that `source` describes, in `memory`. size: of the part, level-0 voxels. levels: of the
-// part. cage: its number, finest first. finer: the next finer one; null for the finest. max_bytes: of the
-// cage and of what making it takes meanwhile. kCorrupt, with a text, for what breaks the rules of
+// Makes the cage of a level that `source` describes, in `memory`. size: of the part, level-0 voxels. levels:
+// of the part. finer: the cage of the next finer level; null for level 0. max_bytes: of the cage and of what
+// making it takes meanwhile. kCorrupt, with a text, for what breaks the rules of
 // SPEC.md 4.9; kLimit; kOutOfMemory. Safe for hostile sources: counts are checked before memory is taken.
-Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int levels, int cell, int cage,
+Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int levels, int cell, int level,
                       const Cage* finer, std::uint64_t max_bytes, CageMemory& memory);
 
 }  // namespace kelp

@@ -75,14 +75,9 @@ struct Part {
   Bend bend = Bend::kShear;  // kSweep: for solid parts only
   float roll = 0;            // of a swept part: radians, its turn about the spline at the first knot
   const Fog* fog = nullptr;  // set if kind is kFog, else null
-  // Cages, finest first; empty: the part has none. A part with cages is drawn through them: their nodes go
-  // where the spline takes them, as `bend` says, or where the host puts them. For solid parts only.
+  // One cage a level, finest first; empty: the part has none. A part with cages is drawn through them: their
+  // nodes go where the spline takes them, as `bend` says, or where the host puts them. For solid parts only.
   std::span<const Cage> cages;
-
-  // The cage that serves a level.
-  const Cage& cageOf(int level) const {
-    return cages[static_cast<std::size_t>(cageOfLevel(cages[0].side, level))];
-  }
 };
 
 // A named place on a part to which a game attaches things. It moves with the spline. At rest, in part space,

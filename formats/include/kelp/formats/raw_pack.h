@@ -74,7 +74,7 @@ struct RawPart {
   // Finest first: distanceLevels() of them for every solid part of the pack, or none for any.
   std::vector<RawDistances> distances;
   std::optional<RawFog> fog;  // set: the part is fog
-  // Finest first: cageCount() of them, or none. cell: side of the finest one's cells: 2, 4, 8 or 16.
+  // One for each of the levels, or none. cell: side of the finest one's cells: 2, 4, 8 or 16.
   int cell = 0;
   std::vector<RawCage> cages;
 };

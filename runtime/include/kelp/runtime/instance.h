@@ -74,9 +74,9 @@ struct Hit {
 
 // The nearest hit of the ray with the solid voxels of any of the instances, at level `level`. Where bricks of
 // that level are not in memory, the hit is on the finest coarser level that is, and the bricks are requested.
-// Never blocks. A part with cages is traced in the cage of the level; that is used once the coarsest level
-// that it serves is complete. The first call after a change of a pose makes what the cage needs. nullopt: no
-// hit, nothing in memory, a zero or non-finite ray, or a pose that Pose::check() refuses.
+// Never blocks. A part with cages is traced in the cage of the level; that is used once the next coarser
+// level is complete. The first call after a change of a pose makes what the cage needs. nullopt: no hit,
+// nothing in memory, a zero or non-finite ray, or a pose that Pose::check() refuses.
 std::optional<Hit> raycast(Instances instances, const Ray& ray, int level = 0);
 
 // Points and frames, here and in kelp/runtime/distance.h, take a part with cages as its spline bends it,

@@ -11,7 +11,7 @@
 
 namespace kelp::reference {
 
-// A level of a volume in its cage, with the coarser levels that the cage serves.
+// A level of a volume in its cage, with the coarser one that is seen through it.
 struct CagedVolume {
   std::string name;
   glm::ivec3 size{0};  // of level 0

@@ -25,17 +25,15 @@ class NaiveCage {
     std::vector<std::size_t> cells;  // whose corner it is
   };
 
-  int side = 0, first_level = 0;
+  int side = 0, level = 0;
   glm::ivec3 grid{0};
   std::vector<Cell> cells;  // in the order of the format
   std::vector<Node> nodes;
   std::vector<std::uint32_t> follows;  // one a node
   RawCage raw;
 
-  NaiveCage(const glm::ivec3& size, int cell, int cage, const IsSolid& solid)
-      : side(cageSide(cell, firstLevelOfCage(cell, cage))),
-        first_level(firstLevelOfCage(cell, cage)),
-        grid(cageGrid(size, side)) {
+  NaiveCage(const glm::ivec3& size, int cell, int of_level, const IsSolid& solid)
+      : side(cageSide(cell, of_level)), level(of_level), grid(cageGrid(size, side)) {
     raw.blocks.resize(static_cast<std::size_t>(grid.x * grid.y * grid.z));
     std::vector<glm::ivec3> cubes;
     for (int i = 0; i < grid.x * grid.y * grid.z; ++i)
@@ -133,11 +131,11 @@ class NaiveCage {
     const std::size_t count = cells.size() - first;
     raw.blocks[at(cube)] = static_cast<std::uint8_t>(count);
     if (count < 2) return;
-    const int finest = side >> first_level;
+    const int finest = side >> level;
     for (std::size_t i = first; i < cells.size(); ++i) {
       std::vector<std::uint8_t> mask(static_cast<std::size_t>(finest * finest * finest / 8));
       for (const glm::ivec3& voxel : cells[i].voxels) {
-        const glm::ivec3 in = (voxel - cube * side) / (1 << first_level);
+        const glm::ivec3 in = (voxel - cube * side) / (1 << level);
         const int bit = in.x + finest * (in.y + finest * in.z);
         mask[static_cast<std::size_t>(bit / 8)] |= static_cast<std::uint8_t>(1 << bit % 8);
       }
@@ -206,11 +204,18 @@ class NaiveCage {
   }
 };
 
+// Of the next finer cage, one for each node.
+inline std::vector<std::uint32_t> followedCells(const Cage& cage) {
+  std::vector<std::uint32_t> cells;
+  for (std::uint32_t node = 0; node < cage.follows.size(); ++node) cells.push_back(cage.followed(node));
+  return cells;
+}
+
 // Gives a part of that many levels its cages. Its size and levels are set.
 inline void addNaiveCages(RawPart& part, int cell, const IsSolid& solid) {
   part.cell = cell;
   std::vector<NaiveCage> cages;
-  for (int i = 0; i < cageCount(cell, static_cast<int>(part.levels.size())); ++i) {
+  for (int i = 0; i < static_cast<int>(part.levels.size()); ++i) {
     cages.emplace_back(part.size, cell, i, solid);
     if (i > 0) cages[static_cast<std::size_t>(i)].follow(cages[static_cast<std::size_t>(i) - 1]);
     part.cages.push_back(cages.back().raw);

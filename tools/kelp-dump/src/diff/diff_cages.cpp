@@ -33,7 +33,7 @@ void diffCages(const Part& a, const Part& b, std::vector<Difference>& out) {
         return !std::equal(x.begin(), x.end(), y.begin(), y.end());
       };
       if (differ(u.words, v.words) || differ(u.places, v.places) || differ(u.follows, v.follows))
-        say(fmt::format("other cells, pieces or nodes for level {}", u.first_level));
+        say(fmt::format("other cells, pieces or nodes for level {}", u.level));
     }
   }
 }

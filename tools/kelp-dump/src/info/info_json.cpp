@@ -16,8 +16,7 @@ Json cageJson(const Part& part) {
   Json cages = Json::array();
   for (const Cage& cage : part.cages) {
     const CageSummary its = summarize(cage);
-    cages.push_back({{"first_level", cage.first_level},
-                     {"last_level", cage.last_level},
+    cages.push_back({{"level", cage.level},
                      {"cell", cage.side},
                      {"cells", cage.cells()},
                      {"nodes", cage.nodes()},

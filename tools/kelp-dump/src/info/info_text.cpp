@@ -122,12 +122,10 @@ std::string cagesText(const Part& part) {
                                  "cells", "pieces", "nodes", "faces", "in memory");
   for (const Cage& cage : part.cages) {
     const CageSummary its = summarize(cage);
-    const std::string levels = cage.first_level == cage.last_level
-                                   ? fmt::format("level {}", cage.first_level)
-                                   : fmt::format("levels {}-{}", cage.first_level, cage.last_level);
-    text += fmt::format("    {:<10}{:>8}{:>12}{:>12}{:>12}{:>12}{:>12}\n", levels, cage.side,
-                        countText(cage.cells()), countText(its.pieces), countText(cage.nodes()),
-                        countText(cage.faces()), bytesText(its.memory));
+    text +=
+        fmt::format("    {:<10}{:>8}{:>12}{:>12}{:>12}{:>12}{:>12}\n", fmt::format("level {}", cage.level),
+                    cage.side, countText(cage.cells()), countText(its.pieces), countText(cage.nodes()),
+                    countText(cage.faces()), bytesText(its.memory));
   }
   return text;
 }

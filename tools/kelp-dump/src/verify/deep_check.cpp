@@ -89,7 +89,7 @@ class DeepCheck {
       checkAttributes(place, occupancy, l == 0 ? nullptr : &finer);
       finer = Occupancy();
       checkEmptiness(place, level, occupancy);
-      if (!of.cages.empty()) checkCage(of.cageOf(l), place, occupancy, report_);
+      if (!of.cages.empty()) checkCage(of.cages[static_cast<std::size_t>(l)], place, occupancy, report_);
       finer = std::move(occupancy);
       if (pack_.hasDistances()) checkDistances(file_, place, finer, threads_, report_);
     }

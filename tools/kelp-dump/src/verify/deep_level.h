@@ -56,7 +56,7 @@ void compareClearances(const StoredLevel& level, const RawLevel& right, const Le
 void checkDistances(PackFile& file, const LevelPlace& place, const fields::Occupancy& occupancy, int threads,
                     VerifyReport& report);
 
-// Compares the cage that serves a level with its voxels: each solid one is in a cell, of its piece, or in a
+// Compares a level's cage with its voxels: each solid one is in a cell, of its piece, or in a
 // cube that is inside, and of empty ones none is of a piece or inside.
 void checkCage(const Cage& cage, const LevelPlace& place, const fields::Occupancy& occupancy,
                VerifyReport& report);

@@ -14,8 +14,8 @@ namespace kelp::fields {
 // Sides of the finest cells: these, and the powers of two between.
 inline constexpr int kSmallestCell = 2, kLargestCell = 16;
 
-// The cages of a part with so many levels, finest first: cageCount() of them. solid: its level 0. cell: the
-// side of the finest cells, in voxels.
+// The cages of a part with so many levels, one for each, finest first. solid: its level 0. cell: the side of
+// the finest cells, in voxels.
 //
 // Pieces of a cube of the finest cage are its solid voxels that touch, in the order of their first voxels; to
 // touch is to be among the 26 neighbors. Pieces of a coarser cube are the finer cells in it that touch, in
