@@ -12,8 +12,6 @@
 
 namespace kelp::runtime {
 
-bool allFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 Result<bool> checkInstance(const Instance& instance) {
   if (!instance.asset) return Error{ErrorCode::kMisuse, "an instance without an asset"};
   const Asset& asset = *instance.asset;

@@ -24,8 +24,6 @@ struct PosedSolid : SolidPlace {
   Map map;
 };
 
-bool allFinite(const glm::vec3& v);
-
 // Errors that all queries return for an instance. False: it is not drawn, so it has no solid. Of swept solid
 // parts, eachSolid() says whether they are drawn: it makes their arcs anyway.
 Result<bool> checkInstance(const Instance& instance);
