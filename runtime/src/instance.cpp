@@ -136,7 +136,7 @@ glm::mat4 frameInWorld(const Instance& instance, int part, const glm::vec3& rest
   }
   const PosedTetrahedron t = tetrahedronFor(*cage, *instance.asset, part, glm::dvec3(rest));
   const glm::mat3 axes(t.gradient);
-  const bool flat = !(glm::dot(axes[1], axes[1]) > 0);
+  const bool flat = !(std::abs(t.volume) > 0);
   return frameOf(to_world, flat ? glm::mat3(1) : axes, glm::vec3(t.place(glm::dvec3(rest))));
 }
 

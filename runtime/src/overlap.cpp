@@ -13,8 +13,8 @@ glm::dvec3 beyond(const FrameBox& box) { return glm::max(glm::abs(box.center) - 
 
 // The point of a leaf that is nearest to `at`, as far as its bending tells; in the frame.
 glm::dvec3 placeNearest(const CagedSolid&, const SearchFrame& frame, const CageLeaf& leaf,
-                        const glm::dvec3&) {
-  return frame.place(leaf.map.place(nearestOf(leaf, frame)));
+                        const glm::dvec3& at) {
+  return frame.place(leaf.map.place(nearestOf(leaf, frame, at)));
 }
 glm::dvec3 placeNearest(const PosedSolid<SweepMap>& solid, const SearchFrame& frame,
                         const SearchLeaf<SweepMap>& leaf, const glm::dvec3& at) {

@@ -63,6 +63,33 @@ TEST_F(CagedDistanceQuery, KnowsHowDeepABlockIs) {
   }
 }
 
+// A hole ends at a cube that has no cell: the surface there is only a face between cubes.
+TEST_F(CagedDistanceQuery, NothingPassesTheEndOfAHole) {
+  fields::Occupancy drilled{glm::ivec3(48), std::vector<std::uint8_t>(48 * 48 * 48, 1)};
+  for (int i = 0; i < 8 * 4 * 4; ++i)
+    drilled.solid[drilled.index(glm::ivec3(i % 8, 18 + i / 8 % 4, 18 + i / 32))] = 0;
+  const test::CagedDistances asset(drilled, 8);
+  const Instance instance{&*asset};
+  const glm::mat4 to_world = partToWorld(instance, 0).value();
+  const float voxel = to_world[1].y;
+  const auto at = [&](float x) { return glm::vec3(to_world * glm::vec4(x, 20, 20, 1)); };
+  const SphereCast cast = sphereCast(instance, at(-20), at(70), 0.5f * voxel).value();
+  ASSERT_TRUE(cast.hit);
+  EXPECT_LE(glm::distance(cast.center, at(7.5f)), voxel);
+  EXPECT_LE(cast.center.x, at(7.5f).x);
+  EXPECT_LE(distance(instance, at(7))->bound, voxel);
+  EXPECT_GT(distance(instance, at(7))->bound, 0.5f * voxel);
+  const ClosestPoint closest = closestPoint(instance, at(7.5f)).value();
+  EXPECT_LT(glm::distance(closest.point, at(8)), 1e-3f * voxel);
+  EXPECT_TRUE(overlaps(instance, Sphere{at(7.5f), 0.6f * voxel})->has_value());
+  // In the solid beyond, a point is the nearest to itself, and everything overlaps.
+  for (const float x : {8.5f, 12.0f, 24.0f, 43.0f}) {
+    EXPECT_EQ(closestPoint(instance, at(x))->point, at(x)) << x;
+    EXPECT_TRUE(overlaps(instance, Sphere{at(x), 0})->has_value()) << x;
+    EXPECT_EQ(sphereCast(instance, at(x), at(x + 1), 0)->t, 0) << x;
+  }
+}
+
 // Mirrored as a whole, nothing is drawn and nothing is solid; in part, nothing is that should not be.
 TEST_F(CagedDistanceQuery, WhatIsTurnedInsideOutIsNoSolid) {
   const test::CagedDistances block(test::hollowBlock(), 8);

@@ -21,16 +21,17 @@ inline bool meets(const PosedTetrahedron& t, const glm::dvec3& low, const glm::d
   const auto [a, b, c] = t.kind->axes;
   return most[a] >= least[b] && most[b] >= least[c] && most[a] >= least[c];
 }
-// The point at rest of a leaf that is nearest to the frame's origin: along one axis after the other, each
-// time to the nearest point.
-inline glm::dvec3 nearestOf(const CageLeaf& leaf, const SearchFrame& frame) {
+// The point at rest of a leaf that is nearest to the frame's origin, which is `eye` in part space: along one
+// axis after the other, each time to the nearest point.
+inline glm::dvec3 nearestOf(const CageLeaf& leaf, const SearchFrame& frame, const glm::dvec3& eye) {
   const auto [a, b, c] = leaf.map.kind->axes;
   const glm::dvec3 &rest = leaf.map.rest, low = leaf.low - rest, high = leaf.high - rest;
   const glm::dmat3 to_frame = frame.to_frame * leaf.map.gradient;
+  const glm::dvec3 q = leaf.map.toRest(eye) - rest;
   glm::dvec3 p;  // p[a] >= p[b] >= p[c]
-  p[c] = low[c];
-  p[b] = std::max(low[b], p[c]);
-  p[a] = std::max(low[a], p[b]);
+  p[c] = std::clamp(q[c], low[c], std::min({high[a], high[b], high[c]}));
+  p[b] = std::clamp(q[b], std::max(low[b], p[c]), std::min(high[a], high[b]));
+  p[a] = std::clamp(q[a], std::max(low[a], p[b]), high[a]);
   glm::dvec3 at = frame.place(leaf.map.place(rest + p));
   const auto move = [&](int axis, double least, double most) {
     const glm::dvec3& along = to_frame[axis];
