@@ -4,15 +4,12 @@
 #include <cmath>
 
 #include "asset_impl.h"
-#include "cages/pose_nodes.h"
 #include "kelp/simd/bound_knots.h"
 #include "posed_part.h"
 #include "posed_solid.h"
 #include "rest_distance.h"
 
 namespace kelp::runtime {
-
-bool allFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 Result<bool> checkInstance(const Instance& instance) {
   if (!instance.asset) return Error{ErrorCode::kMisuse, "an instance without an asset"};
@@ -33,11 +30,16 @@ Result<bool> checkInstance(const Instance& instance) {
                        none.unit};
     return failure != 0 ? failed : none;
   }
-  if (!instance.pose) return true;
-  if (instance.pose->parts() != parts) return false;
+  if (instance.pose && instance.pose->parts() != parts) return false;
   for (int part = 0; part < parts; ++part) {
     const PosedPart posed = posedPart(instance, part);
-    if ((!posed.isSwept() && !posed.check()) || !PoseCages::check(*instance.pose, part)) return false;
+    if (!posed.part->cages.empty()) {
+      const auto cage = posedCage(instance, part, 0, CageUse::kTree);
+      if (!cage && cage.error().code == ErrorCode::kOutOfMemory) return cage.error();
+      if (!cage) return false;
+    } else if (instance.pose && !posed.isSwept() && !posed.check()) {
+      return false;
+    }
   }
   return true;
 }

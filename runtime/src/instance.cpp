@@ -9,7 +9,7 @@
 #include <glm/gtc/matrix_inverse.hpp>
 
 #include "asset_impl.h"
-#include "kelp/cages/posed_cage.h"
+#include "cages/cage_map.h"
 #include "kelp/simd/bound_knots.h"
 #include "posed_part.h"
 
@@ -60,6 +60,10 @@ Result<void> checkPosed(const Instance& instance, int part) {
   if (!hasItsPose(instance)) return kForeignPose;
   return {};
 }
+Result<void> checkPosed(const Instance& instance, int part, const glm::vec3& rest) {
+  if (!allFinite(rest)) return Error{ErrorCode::kMisuse, "a point that is not finite"};
+  return checkPosed(instance, part);
+}
 
 const Part& partOf(const Instance& instance, int part) {
   return instance.asset->pack().parts()[static_cast<std::size_t>(part)];
@@ -87,8 +91,21 @@ const ArcChain* arcsOf(const PosedPart& posed, ArcChain& room) {
   return posed.isSwept() && posed.arcs(room) ? &room : nullptr;
 }
 
-// The frame of a rest point (part space) of a part that `to_space` takes to some space: orthonormal and
-// right-handed. y points along the spline. `arcs`: those of the part.
+// Orthonormal and right-handed: y runs along the second column of `axes`, x by the first, or by the third
+// where that is parallel to y. All in a space that `to_space` takes to another; so does the origin, `at`.
+glm::mat4 frameOf(const glm::mat4& to_space, const glm::mat3& axes, const glm::vec3& at) {
+  const glm::mat3 turned = glm::mat3(to_space) * axes;
+  const glm::vec3 y = glm::normalize(turned[1]);
+  glm::vec3 across = turned[0] - glm::dot(turned[0], y) * y;
+  if (!(glm::dot(across, across) > 1e-12f * glm::dot(turned[0], turned[0])))
+    across = turned[2] - glm::dot(turned[2], y) * y;
+  across = glm::normalize(across);
+  return glm::mat4(glm::vec4(across, 0), glm::vec4(y, 0), glm::vec4(glm::cross(across, y), 0),
+                   to_space * glm::vec4(at, 1.0f));
+}
+
+// The frame of a rest point (part space) of a part that `to_space` takes to some space. y points along the
+// spline. `arcs`: those of the part.
 glm::mat4 frameIn(const PosedPart& posed, const ArcChain* arcs, const glm::mat4& to_space,
                   const glm::vec3& rest) {
   glm::vec3 along(0, 1, 0), x(1, 0, 0), z(0, 0, 1), at = rest;
@@ -105,21 +122,22 @@ glm::mat4 frameIn(const PosedPart& posed, const ArcChain* arcs, const glm::mat4&
     if (glm::dot(slope, slope) > 0) along = slope;
     at = bend(posed, rest);
   }
-  const glm::mat3 turn(to_space);
-  const glm::vec3 y = glm::normalize(turn * along);
-  const glm::vec3 wide = turn * x;
-  glm::vec3 across = wide - glm::dot(wide, y) * y;
-  // The spline runs along x here.
-  if (!(glm::dot(across, across) > 1e-12f * glm::dot(wide, wide)))
-    across = turn * z - glm::dot(turn * z, y) * y;
-  across = glm::normalize(across);
-  return glm::mat4(glm::vec4(across, 0), glm::vec4(y, 0), glm::vec4(glm::cross(across, y), 0),
-                   to_space * glm::vec4(at, 1.0f));
+  return frameOf(to_space, glm::mat3(x, along, z), at);
 }
 
-glm::mat4 frameIn(const PosedPart& posed, const glm::mat4& to_space, const glm::vec3& rest) {
-  ArcChain room;
-  return frameIn(posed, arcsOf(posed, room), to_space, rest);
+// In the world. rest: part space.
+glm::mat4 frameInWorld(const Instance& instance, int part, const glm::vec3& rest) {
+  const glm::mat4 to_world = matrixOf(instance, part);
+  const Result<PosedCage> cage = posedCage(instance, part, 0);
+  if (!cage) {
+    const PosedPart posed = posedPart(instance, part);
+    ArcChain room;
+    return frameIn(posed, arcsOf(posed, room), to_world, rest);
+  }
+  const PosedTetrahedron t = tetrahedronFor(*cage, *instance.asset, part, glm::dvec3(rest));
+  const glm::mat3 axes(t.gradient);
+  const bool flat = !(std::abs(t.volume) > 0);
+  return frameOf(to_world, flat ? glm::mat3(1) : axes, glm::vec3(t.place(glm::dvec3(rest))));
 }
 
 // The rest point at a place of the axis, `offset` heights from the middle line; part space.
@@ -254,8 +272,12 @@ Box bounds(const Instance& instance) {
 }
 
 Result<glm::vec3> toWorld(const Instance& instance, int part, const glm::vec3& rest) {
-  if (const Result<void> posed = checkPosed(instance, part); !posed) return posed.error();
-  const glm::vec3 bent = bend(posedPart(instance, part), toVoxels(instance, part, rest));
+  if (const Result<void> posed = checkPosed(instance, part, rest); !posed) return posed.error();
+  const glm::vec3 at = toVoxels(instance, part, rest);
+  const Result<PosedCage> cage = posedCage(instance, part, 0);
+  const glm::vec3 bent =
+      cage ? glm::vec3(tetrahedronFor(*cage, *instance.asset, part, glm::dvec3(at)).place(glm::dvec3(at)))
+           : bend(posedPart(instance, part), at);
   return glm::vec3(matrixOf(instance, part) * glm::vec4(bent, 1.0f));
 }
 
@@ -263,6 +285,12 @@ std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::v
   if (!checkPosed(instance, part)) return std::nullopt;
   const PosedPart posed = posedPart(instance, part);
   const glm::vec3 p = glm::vec3(glm::inverse(matrixOf(instance, part)) * glm::vec4(world, 1.0f));
+  if (!posed.part->cages.empty()) {
+    const Result<PosedCage> cage = posedCage(instance, part, 0, CageUse::kTree);
+    if (!cage || !allFinite(p)) return std::nullopt;
+    const auto rest = restInCage(*cage, *instance.asset, part, glm::dvec3(p));
+    return rest ? std::optional(toObject(instance, part, glm::vec3(*rest))) : std::nullopt;
+  }
   if (posed.isSwept()) {
     ArcChain chain;
     if (!posed.arcs(chain)) return std::nullopt;
@@ -281,8 +309,8 @@ std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::v
 }
 
 Result<glm::mat4> frameAt(const Instance& instance, int part, const glm::vec3& rest) {
-  if (const Result<void> posed = checkPosed(instance, part); !posed) return posed.error();
-  return frameIn(posedPart(instance, part), matrixOf(instance, part), toVoxels(instance, part, rest));
+  if (const Result<void> posed = checkPosed(instance, part, rest); !posed) return posed.error();
+  return frameInWorld(instance, part, toVoxels(instance, part, rest));
 }
 
 Result<int> findPart(const Asset& asset, std::string_view name) {
@@ -315,8 +343,7 @@ Result<glm::mat4> socketToWorld(const Instance& instance, int socket) {
   const Socket& on = instance.asset->pack().sockets()[index];
   const int part = static_cast<int>(on.part);
   if (!hasItsPose(instance)) return kForeignPose;
-  return frameIn(posedPart(instance, part), matrixOf(instance, part),
-                 onAxis(partOf(instance, part), on.at, on.offset)) *
+  return frameInWorld(instance, part, onAxis(partOf(instance, part), on.at, on.offset)) *
          glm::mat4_cast(on.rotation);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cages/cage_search.h"
 #include "solid_search.h"
 
 namespace kelp::runtime {
@@ -11,12 +12,17 @@ namespace {
 glm::dvec3 beyond(const FrameBox& box) { return glm::max(glm::abs(box.center) - box.half, glm::dvec3(0)); }
 
 // The point of a leaf that is nearest to `at`, as far as its bending tells; in the frame.
-glm::dvec3 placeNearest(const SweepMap& map, const SearchFrame& frame, const SearchLeaf<SweepMap>& leaf,
+glm::dvec3 placeNearest(const CagedSolid&, const SearchFrame& frame, const CageLeaf& leaf,
                         const glm::dvec3& at) {
-  return frame.place(map.nearest(*leaf.from, *leaf.to, leaf.low, leaf.high, at));
+  return frame.place(leaf.map.place(nearestOf(leaf, frame, at)));
 }
-glm::dvec3 placeNearest(const SplineMap& map, const SearchFrame& frame, const SearchLeaf<SplineMap>& leaf,
-                        const glm::dvec3& at) {
+glm::dvec3 placeNearest(const PosedSolid<SweepMap>& solid, const SearchFrame& frame,
+                        const SearchLeaf<SweepMap>& leaf, const glm::dvec3& at) {
+  return frame.place(solid.map.nearest(*leaf.from, *leaf.to, leaf.low, leaf.high, at));
+}
+glm::dvec3 placeNearest(const PosedSolid<SplineMap>& solid, const SearchFrame& frame,
+                        const SearchLeaf<SplineMap>& leaf, const glm::dvec3& at) {
+  const SplineMap& map = solid.map;
   glm::dvec3 p = map.nearest(*leaf.from, *leaf.to, leaf.low, leaf.high, at), in_frame = frame.place(p);
   if (!frame.shears) return in_frame;
   // Along one axis after the other, each time to the nearest point, as if the leaf were not bent.
@@ -35,9 +41,9 @@ glm::dvec3 placeNearest(const SplineMap& map, const SearchFrame& frame, const Se
   return frame.place({p.x - cut.at.x + there.at.x, there.at.y, p.z - cut.at.z + there.at.z});
 }
 
-template <class Map>
+template <class Solid>
 struct ClosestGoal {
-  const PosedSolid<Map>& solid;
+  const Solid& solid;
   const SearchFrame& frame;
   glm::dvec3 at;  // part space
   double reach;   // world
@@ -48,8 +54,9 @@ struct ClosestGoal {
   double key(const FrameBox& box) const { return glm::length(beyond(box)); }
   double limit() const { return std::min(best, reach); }
   // Any leaf within reach is taken, although its point that is found may be beyond.
-  void visit(const SearchLeaf<Map>& leaf, double) {
-    const glm::dvec3 in_frame = placeNearest(solid.map, frame, leaf, at);
+  template <class Leaf>
+  void visit(const Leaf& leaf, double) {
+    const glm::dvec3 in_frame = placeNearest(solid, frame, leaf, at);
     const double length = glm::length(in_frame);
     if (length >= best) return;
     best = length;
@@ -68,8 +75,8 @@ struct TouchGoal {
 
   double key(const FrameBox& box) const { return shape.apart(box) ? INFINITY : shape.towards(box); }
   double limit() const { return touches ? -1.0 : INFINITY; }
-  template <class Map>
-  void visit(const SearchLeaf<Map>&, double) {
+  template <class Leaf>
+  void visit(const Leaf&, double) {
     touches = true;
   }
   void giveUp(double) { touches = true; }
@@ -154,8 +161,8 @@ struct CastGoal {
     return std::max(from, nearest - half);
   }
   double limit() const { return hit ? best : INFINITY; }
-  template <class Map>
-  void visit(const SearchLeaf<Map>&, double key) {
+  template <class Leaf>
+  void visit(const Leaf&, double key) {
     best = std::min(best, key);
     hit = true;
   }
@@ -169,16 +176,31 @@ template <class Map, class Goal>
 void search(const PosedSolid<Map>& solid, const SearchFrame& frame, Goal& goal) {
   SolidSearch<Map, Goal>(solid, frame, goal).run();
 }
+template <class Goal>
+void search(const CagedSolid& solid, const SearchFrame& frame, Goal& goal) {
+  CageSearch<Goal>(solid, frame, goal).run();
+}
+
+// True if a point is in solid that a search does not see.
+bool isHidden(const CagedSolid& solid, const glm::dvec3& world) {
+  return isInMiddle(solid, glm::inverse(solid.to_world) * (world - solid.origin));
+}
+template <class Map>
+bool isHidden(const PosedSolid<Map>&, const glm::dvec3&) {
+  return false;
+}
 
 // True if all of the part is farther than `reach` from a point, so far as its distances say.
-template <class Map>
-bool isBeyond(const PosedSolid<Map>& solid, const glm::vec3& point, float reach) {
+template <class Solid>
+bool isBeyond(const Solid& solid, const glm::vec3& point, float reach) {
   const std::optional<Distance> found = distanceToPart(solid, point);
   return found && found->bound > reach;
 }
 
-template <class Map, class Shape>
-bool touches(const PosedSolid<Map>& solid, const SearchFrame& frame, const Shape& shape) {
+// The frame's eye must be a point of the shape.
+template <class Solid, class Shape>
+bool touches(const Solid& solid, const SearchFrame& frame, const Shape& shape) {
+  if (isHidden(solid, frame.eye)) return true;
   TouchGoal<Shape> goal{shape};
   search(solid, frame, goal);
   return goal.touches;
@@ -188,11 +210,16 @@ bool touches(const PosedSolid<Map>& solid, const SearchFrame& frame, const Shape
 
 void findClosest(const Instance& instance, const glm::dvec3& point, ClosestPoint& nearest) {
   ClosestPoint best = nearest;
-  const bool drawn = eachSolid(instance, [&]<class Map>(const PosedSolid<Map>& solid) {
+  const bool drawn = eachSolid(instance, [&]<class Solid>(const Solid& solid) {
     const SearchFrame frame(solid, point);
-    ClosestGoal<Map> goal{solid, frame, glm::inverse(solid.to_world) * (point - solid.origin),
-                          double{best.distance}};
-    search(solid, frame, goal);
+    ClosestGoal<Solid> goal{solid, frame, glm::inverse(solid.to_world) * (point - solid.origin),
+                            double{best.distance}};
+    if (isHidden(solid, point)) {
+      goal.best = 0;
+      goal.any = true;
+    } else {
+      search(solid, frame, goal);
+    }
     best.ran_out |= goal.ran_out;
     const float length = static_cast<float>(goal.best);
     if (!goal.any || (best.part && !(length < best.distance))) return true;
@@ -246,7 +273,10 @@ void cast(const Instance& instance, const glm::dvec3& from, const glm::dvec3& wa
     CastGoal goal{frame.turn(way), radius};
     goal.best = double{best.t};
     goal.hit = best.hit || best.ran_out;
-    search(solid, frame, goal);
+    if (isHidden(solid, from))
+      goal.best = 0, goal.hit = true;
+    else
+      search(solid, frame, goal);
     if (!(goal.best < double{best.t}) && !(goal.hit && !best.part)) return true;
     // Rounded towards 0, so that the sphere does not touch.
     best.t = std::max(static_cast<float>(goal.best) * (1 - 1e-6f), 0.0f);

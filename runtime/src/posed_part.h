@@ -2,6 +2,7 @@
 // Conversions between types of the runtime and of trace.glsl.
 #pragma once
 
+#include <cmath>
 #include <span>
 
 #include "kelp/formats/sweep.h"
@@ -9,6 +10,10 @@
 #include "trace_cpp.h"
 
 namespace kelp::runtime {
+
+inline bool allFinite(const glm::vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 inline glm::mat4 affine(const glm::mat4x3& m) {
   return glm::mat4(glm::vec4(m[0], 0.0f), glm::vec4(m[1], 0.0f), glm::vec4(m[2], 0.0f),

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "kelp/cages/posed_cage.h"
 #include "kelp/runtime/distance.h"
 #include "posed_part.h"
 #include "spline_map.h"
@@ -23,17 +24,22 @@ template <class Map>
 struct PosedSolid : SolidPlace {
   Map map;
 };
-
-bool allFinite(const glm::vec3& v);
+// A part with cages, in its finest one, with the tree.
+struct CagedSolid : SolidPlace {
+  PosedCage cage;
+};
 
 // Errors that all queries return for an instance. False: it is not drawn, so it has no solid. Of swept solid
-// parts, eachSolid() says whether they are drawn: it makes their arcs anyway.
+// parts without cages, eachSolid() says whether they are drawn: it makes their arcs anyway.
 Result<bool> checkInstance(const Instance& instance);
 // Where the part is, if it is solid and its matrix is finite.
 std::optional<SolidPlace> solidPlace(const Instance& instance, int part);
 // distance() with one part. nullopt: none of its distances is in memory.
 std::optional<Distance> distanceToPart(const PosedSolid<SplineMap>& solid, const glm::vec3& point);
 std::optional<Distance> distanceToPart(const PosedSolid<SweepMap>& solid, const glm::vec3& point);
+std::optional<Distance> distanceToPart(const CagedSolid& solid, const glm::vec3& point);
+// True if a point of part space is in the middle of the solid, where no cell is.
+bool isInMiddle(const CagedSolid& solid, const glm::dvec3& point);
 // The answer for a part from what is known in part space: a bound, below 0 inside, and the way away.
 Distance answerOf(const SolidPlace& solid, const glm::dmat3& to_part, double bound, const glm::dvec3& away);
 // Voxels: less than rounding, so that it promises nothing on the surface itself, but its sign says that a
@@ -50,7 +56,11 @@ bool eachSolid(const Instance& instance, const Use& use) {
   const auto parts = static_cast<int>(instance.asset->pack().parts().size());
   for (int part = 0; part < parts; ++part) {
     const PosedPart posed = posedPart(instance, part);
-    if (posed.isSwept()) {
+    if (!posed.part->cages.empty()) {
+      const std::optional<SolidPlace> place = wanted ? solidPlace(instance, part) : std::nullopt;
+      const auto cage = posedCage(instance, part, 0, CageUse::kTree);
+      if (place && cage) wanted = use(CagedSolid{*place, *cage});
+    } else if (posed.isSwept()) {
       ArcChain chain;
       if (!posed.arcs(chain)) return false;
       if (!wanted) continue;

@@ -65,12 +65,13 @@ class BentInstance {
     }
     EXPECT_TRUE(pose_.setKnots(0, knots));
     pose_.motion(0)->roll = roll;
-    instance = {&asset, &pose_, to_world};
-    to_world_ = glm::dmat4(partToWorld(instance, 0).value());
-    to_part_ = glm::inverse(to_world_);
-    const Box box = truth_->bounds();
-    low_ = glm::dvec3(box.min), high_ = glm::dvec3(box.max);
-    for (int i = 0; i < 3; ++i) voxel = std::max(voxel, glm::length(glm::dvec3(to_world_[i])));
+    place(asset, to_world);
+  }
+  // Another pose, and the truth of it.
+  BentInstance(const runtime::Asset& asset, runtime::Pose pose, std::unique_ptr<SolidTruth> truth,
+               const glm::mat4& to_world, unsigned seed)
+      : pose_(std::move(pose)), truth_(std::move(truth)), random_(seed) {
+    place(asset, to_world);
   }
   BentInstance(const BentInstance&) = delete;
   BentInstance& operator=(const BentInstance&) = delete;
@@ -106,6 +107,15 @@ class BentInstance {
 
  private:
   glm::dvec3 toPart(const glm::dvec3& world) const { return glm::dvec3(to_part_ * glm::dvec4(world, 1)); }
+
+  void place(const runtime::Asset& asset, const glm::mat4& to_world) {
+    instance = {&asset, &pose_, to_world};
+    to_world_ = glm::dmat4(partToWorld(instance, 0).value());
+    to_part_ = glm::inverse(to_world_);
+    const Box box = truth_->bounds();
+    low_ = glm::dvec3(box.min), high_ = glm::dvec3(box.max);
+    for (int i = 0; i < 3; ++i) voxel = std::max(voxel, glm::length(glm::dvec3(to_world_[i])));
+  }
 
   runtime::Pose pose_;
   std::unique_ptr<SolidTruth> truth_;

@@ -195,16 +195,11 @@ TEST(CageRaycast, NormalsFollowTheNodes) {
     ball.solid[ball.index(v)] = glm::distance(glm::vec3(v) + 0.5f, glm::vec3(20)) < 19;
   }
   const CagedAsset asset(ball, 8, Bend::kSweep);
-  const Loaded plain([&] {
-    RawPack pack = CagedAsset::packOf(ball, 8, Bend::kSweep, straight({0, 0.5f, 1}));
-    pack.parts[0].cages.clear();
-    pack.parts[0].cell = 0;
-    return pack;
-  }());
+  const PlainTwin plain(ball, Bend::kSweep, straight({0, 0.5f, 1}), straight({0, 0.5f, 1}));
   Pose pose = asset.pose();
   // Twice as wide, half as high.
   for (glm::vec3& node : pose.nodes(0)) node *= glm::vec3(2, 0.5f, 1);
-  const Instance caged = asset.instance(pose), at_rest{plain.asset.get()};
+  const Instance caged = asset.instance(pose), at_rest = plain.instance();
   int seen = 0;
   for (int i = 0; i < 400; ++i) {
     // Not between voxels.

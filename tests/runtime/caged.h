@@ -51,6 +51,24 @@ struct CagedAsset {
   Loaded loaded;
 };
 
+// The same model without cages, which its spline alone bends.
+struct PlainTwin {
+  PlainTwin(const fields::Occupancy& volume, Bend bend, std::vector<Knot> rest,
+            const std::vector<Knot>& knots)
+      : loaded(packOf(volume, bend, std::move(rest))), pose(Pose::create(*loaded.asset).value()) {
+    pose.setKnots(0, knots).value();
+  }
+  static RawPack packOf(const fields::Occupancy& volume, Bend bend, std::vector<Knot> knots) {
+    RawPack pack = test::packOf(volume, std::move(knots));
+    pack.parts[0].bend = bend;
+    return pack;
+  }
+  Instance instance() const { return {loaded.asset.get(), &pose}; }
+
+  Loaded loaded;
+  Pose pose;
+};
+
 inline std::vector<Knot> leaning() {
   return {{0, {0, 0, 0}, {0, 1, 0}},
           {0.5f, {0.1f, 0.52f, -0.06f}, {0.5f, 0.9f, -0.1f}},

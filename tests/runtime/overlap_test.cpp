@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "caged_instance.h"
 #include "swept_instance.h"
 
 namespace kelp::runtime {
@@ -19,6 +20,8 @@ int shapes(const test::BentInstance& bent) {
   return shareOf(bent, test::allTests() ? 20'000 : test::shareOf(200));
 }
 int casts(const test::BentInstance& bent) {
+  // A million with cages alone.
+  if (test::allTests() && !bent.instance.asset->pack().parts()[0].cages.empty()) return 100'000;
   return shareOf(bent, test::allTests() ? 67'000 : test::shareOf(400));
 }
 
@@ -49,9 +52,10 @@ struct ShapeQuery : testing::Test {
   std::unique_ptr<Asset> asset = test::loadDistances(source);
 
   test::SweptVolume swept;
+  test::CagedDistances caged{twoLegs({60, 80, 50}), 8};
 
-  // In all poses of Figure 6, turned, scaled, mirrored; with several segments; with coarser levels only; and
-  // swept.
+  // In all poses of Figure 6, turned, scaled, mirrored; with several segments; with coarser levels only;
+  // swept; and with cages.
   void inAllPoses(const std::function<void(test::BentInstance&)>& check) const {
     unsigned seed = 1;
     for (const test::FigurePose& figure : test::kFigure6) {
@@ -85,6 +89,7 @@ struct ShapeQuery : testing::Test {
       }
     }
     swept.inPoses(2, [&](const std::string&, test::BentInstance& bent) { check(bent); });
+    caged.inPoses([&](const std::string&, test::BentInstance& bent) { check(bent); });
   }
 };
 
@@ -201,10 +206,12 @@ TEST_F(ShapeQuery, SphereCastsStopBeforeContactAndNeverTunnel) {
       ASSERT_NEAR(glm::length(cast.away), 1, 1e-4);
       near += bent.distanceOf(glm::dvec3(cast.center)) - radius <= (1 + kStep) * bent.voxel;
     }
+    // Cages may draw voxels out to needles, which take longer and are told less exactly.
+    const bool caged = !bent.instance.asset->pack().parts()[0].cages.empty();
     EXPECT_EQ(tunnels, 0);
-    EXPECT_EQ(ran_out, 0);
+    EXPECT_LE(ran_out, caged ? casts(bent) / 1000 : 0);
     EXPECT_GT(hits, casts(bent) / 4);
-    EXPECT_GE(near, hits * 99 / 100);
+    EXPECT_GE(near, hits * (caged ? 95 : 99) / 100);
   });
 }
 

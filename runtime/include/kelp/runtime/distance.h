@@ -5,10 +5,16 @@
 // The solid is the union of the closed level-0 voxels of all solid parts, bent by the pose, in the world:
 // what is drawn at full detail. Where only coarser distances are in memory, answers stay on the safe side.
 //
+// Parts with cages are bent by their finest cage. Their solid is that of all tetrahedra that are not
+// inverted, and the middle of it, where no cell is: all points that the surface of the cells around it
+// encloses.
+// Where a cage stretches voxels, answers to a voxel are to one as it is stretched, and a search may take
+// longer.
+//
 // All lengths are in the unit of the world. "A voxel" is the longest side of a voxel of the finest level of
 // distances in memory, in the world. Nothing allocates or blocks. Any thread may call while nobody changes
-// the pose. An instance that is not drawn (a pose that Pose::check() refuses, a singular matrix) has no
-// solid.
+// the pose; of parts with cages the first query after a change of the pose makes what all need. An instance
+// that is not drawn (a pose that Pose::check() refuses, a singular matrix) has no solid.
 //
 // Errors of all functions: kMisuse for numbers that are not finite, for lengths that must be above 0 and are
 // not, for an instance without an asset, and if the asset was opened without AssetOptions::distance_level;

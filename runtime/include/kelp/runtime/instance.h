@@ -79,20 +79,35 @@ struct Hit {
 // nothing in memory, a zero or non-finite ray, or a pose that Pose::check() refuses.
 std::optional<Hit> raycast(Instances instances, const Ray& ray, int level = 0);
 
-// Points and frames, here and in kelp/runtime/distance.h, take a part with cages as its spline bends it,
-// wherever its nodes are.
 // A point of the undeformed model (object space, meters) that belongs to a part -> the world, with all that
-// the pose does to it. kMisuse: as partToWorld().
+// the pose does to it. A part with cages moves it as its finest cage does:
+// - as the cell that holds the point: its tetrahedron there. Of several pieces that share a cube, the one
+//   whose voxel is the nearest to the point. Between cubes, as the cell of a solid voxel that the point is
+//   on; voxels that are not in memory are as in toRest();
+// - in the middle of the solid, where no cell is, by interpolation: a point of the lattice there lies between
+//   the two nodes that are next along each axis, in proportion to its way to them; the axes count by 1 over
+//   the product of these two ways. Affine motions of the nodes remain affine;
+// - elsewhere as the cell that is the nearest at rest, as if that went on: without a step within what is
+//   nearest to one cell, with one between two.
+// If such a part cannot be drawn, as its spline moves it. kMisuse: as partToWorld(), and for a point that is
+// not finite.
 Result<glm::vec3> toWorld(const Instance& instance, int part, const glm::vec3& rest);
 // World -> the point of the undeformed model (object space, meters). nullopt if Pose::check() refuses the
 // pose, if it is of another asset, if the point is above or below the spline of a sheared part, or in no
 // section of a swept one. Where coils of a swept part overlap, a point of the world has several at rest: the
 // one nearest to the center line.
+// Of a part with cages: by a tetrahedron of its finest cage that holds the point and is not inverted. Of
+// several, by one where the point lies in a solid voxel; voxels that are not in memory are as those of the
+// finest level that is, and their bricks are requested. In the middle of the solid, where no cell is, what
+// toWorld() takes there. Elsewhere by the nearest tetrahedron, as if that went on. nullopt also if all are
+// inverted.
 std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::vec3& world);
 // A frame in the world for things attached to a point of the undeformed model (object space, meters). Its
 // columns are the directions x, y and z and the origin. y points along the spline. x is the part's x: of a
-// sheared part made perpendicular to the spline, of a swept one turned with its section. Orthonormal, and
-// right-handed for mirrored instances too. kMisuse: as partToWorld().
+// sheared part made perpendicular to the spline, of a swept one turned with its section. Of a part with cages
+// y points where its tetrahedron takes the part's y, and x where it takes the part's x, made perpendicular;
+// the origin is as toWorld() says. Orthonormal, and right-handed for mirrored instances too. kMisuse: as
+// toWorld().
 Result<glm::mat4> frameAt(const Instance& instance, int part, const glm::vec3& rest);
 
 // Index of the first part of that name. kMisuse: there is none; the text lists the names that there are, and

@@ -44,6 +44,7 @@ class CageTruth {
   int inverted() const { return inverted_; }
 
  private:
+  friend class CageDistance;
   struct Ball {
     glm::dvec3 middle{0};
     double radius = 0;
