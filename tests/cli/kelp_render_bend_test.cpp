@@ -41,7 +41,7 @@ class KelpRenderBend : public KelpRender {
   }
   // The bytes of the picture.
   std::string drawn(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin() + 1, {"-o", out_, "--size", "90x90"});
+    arguments.insert(arguments.begin() + 1, {"-o", out_, "--size", "60x60"});
     const ProcessResult result = render(arguments);
     EXPECT_EQ(result.exit, 0) << result.err;
     EXPECT_EQ(result.err, "");

@@ -105,9 +105,10 @@ TEST(CagePack, MemoryIsBounded) {
 
 // Counts that claim gigabytes, or as much as the limits allow, cost no memory.
 TEST(CagePack, ClaimsAreNotBelieved) {
+  const test::Bytes sound = test::writeToMemory(test::makeTinyCagePack());
   for (const std::uint32_t number : {0xffffffffu, 10000000u}) {
     for (std::size_t at = 0; at < 20; ++at) {
-      test::PackSurgeon lying(test::writeToMemory(test::makeTinyCagePack()));
+      test::PackSurgeon lying(sound);
       test::setCountOfCage(lying.content("CAGE"), at / 5, at % 5, number);
       const test::Bytes bytes = lying.build();
       MemorySource source(bytes);

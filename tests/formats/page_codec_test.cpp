@@ -10,6 +10,7 @@
 #include "coding_libraries.h"
 #include "page_worlds.h"
 #include "range_coder.h"
+#include "support/all_tests.h"
 
 namespace kelp {
 namespace {
@@ -158,7 +159,7 @@ TEST(PageCodec, DamagedBytes) {
     const std::vector<TestPage> pages = allPages(c.world, c.palette, c.look, 4);
     for (std::size_t i = 0; i < pages.size(); i += 1 + pages.size() / 4) {
       const std::vector<std::byte> stored = encoded(pages[i]);
-      const std::size_t step = 1 + stored.size() / 300;
+      const std::size_t step = 1 + stored.size() / (test::kSanitized ? 100 : 300);
       for (std::size_t bytes = 0; bytes < stored.size(); bytes += step)
         EXPECT_FALSE(decoded(pages[i], std::span(stored).first(bytes), workspace).result) << bytes;
       std::vector<std::byte> more = stored;
@@ -188,7 +189,7 @@ TEST(PageCodec, RandomBytes) {
   Buffer<std::byte> workspace;
   std::mt19937 random(11);
   const std::vector<TestPage> pages = allPages(ballWorld(40), 6, flatLook(6));
-  for (int round = 0; round < 2000; ++round) {
+  for (int round = 0; round < test::shareOf(2000); ++round) {
     TestPage page = pages[random() % pages.size()];
     std::vector<std::byte> bytes(random() % 3000);
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());

@@ -76,7 +76,7 @@ def expect(command, exit_code, word):
 def main(sample, program, pack):
     with tempfile.TemporaryDirectory() as folder:
         picture = os.path.join(folder, "picture.ppm")
-        subprocess.run([program, pack, "--frames", "3", picture], check=True, timeout=240)
+        subprocess.run([program, pack, "--frames", "2", picture], check=True, timeout=240)
         {"game_loop": check_game_loop, "mirror": check_mirror,
          "kelp-view": check_view}[sample](*read_ppm(picture))
 

@@ -21,7 +21,7 @@ endfunction()
 # RUNS: programs of this build whose paths its sources know, kelp-dump's as KELP_DUMP.
 # UNTRUSTED: the cases that read untrusted bytes, as GoogleTest's --gtest_filter: "A.*:B.*", "*-A.*:B.*" (all
 # but these) or "*".
-# DRIVES: it computes nothing itself, so it is not optimized: that would take longer than it runs.
+# DRIVES: it computes little itself, so it is not optimized: that would take longer than it gains.
 # Built for another system, a program is one entry, because its emulator takes longer to start than most cases
 # to run; KELP_TEST_ARGUMENTS (preset web) leaves out what cannot run there: cases that start threads.
 function(kelp_add_test name)
