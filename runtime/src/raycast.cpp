@@ -87,9 +87,9 @@ bool isComplete(const LevelState* level) {
   return level && level->resident.load(std::memory_order_acquire) == level->data.pages.size();
 }
 
-// The cage for a trace at level `wanted`: its own, or the first coarser one of which all of the coarsest level
-// that is seen through it is in memory, where it is kept. What the next finer cage needs is requested. All of
-// the part's coarsest level is in memory.
+// The cage for a trace at level `wanted`: its own, or the first coarser one of which all of the coarsest
+// level that is seen through it is in memory, where it is kept. What the next finer cage needs is requested.
+// All of the part's coarsest level is in memory.
 const Cage& chooseCage(const PageReader& reader, int part, std::span<const Cage> cages, int wanted) {
   const Cage* cage = &cages[static_cast<std::size_t>(wanted)];
   const LevelState *level = reader.level(part, cage->last_level), *finer = nullptr;
