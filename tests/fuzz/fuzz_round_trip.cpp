@@ -377,10 +377,11 @@ void checkCages(const Pack& pack, const RawPack& raw) {
       if (!cage || !same(cage->words, cages[i].words) || !same(cage->places, cages[i].places) ||
           !same(cage->follows, cages[i].follows))
         fail("reads back with another", "cage");
-      for (std::uint32_t node = 0; i > 0 && node < cage->nodes(); ++node)
+      for (std::uint32_t node = 0; i > 0 && node < cage->nodes(); ++node) {
         const CageFollow follow = cageFollows(*cage, node, cages[i - 1]);
-      for (const std::uint32_t finer : std::span(follow.nodes, static_cast<std::size_t>(follow.count)))
-        if (finer >= cages[i - 1].nodes()) fail("a node", "follows none");
+        for (const std::uint32_t finer : std::span(follow.nodes, static_cast<std::size_t>(follow.count)))
+          if (finer >= cages[i - 1].nodes()) fail("a node", "follows none");
+      }
     }
   }
 }
