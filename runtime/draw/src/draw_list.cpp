@@ -252,7 +252,8 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
     if (placed_[eight].invertible >> k & 1)
       Residency::want(resident, wanted.level, std::min(judged.pixels.of[k], 1e4f));
     candidate.coarse = wanted.level < resident.finest;
-    candidate.detail = candidate.coarse ? Detail{resident.finest, 0} : wanted;
+    // (Nothing of a part may be there. In the ring of its instance it is recorded then, too.)
+    candidate.detail = candidate.coarse ? Detail{std::min(resident.finest, resident.levels - 1), 0} : wanted;
     candidate.drawn = is_seen && resident.finest != resident.levels;
     candidate.recorded = candidate.drawn || (frame.rings && candidate.asset->packed.size() > 1 &&
                                              (placed_[eight].invertible >> k & 1));
