@@ -108,6 +108,15 @@ constexpr std::uint32_t cageNode(const std::uint32_t* cell, int corner) {
   return (pair & (kMaxCageNodes - 1)) + (corner % 2 ? pair >> kCageNodeBits : 0);
 }
 
+// The parts that a node follows, by weight: at most four, ascending. The rest is 0. It goes where these parts
+// take its place at rest, the sum of each weighted (SPEC.md 4.9).
+struct Influences {
+  std::uint16_t parts[4] = {0, 0, 0, 0};
+  std::uint8_t weights[4] = {0, 0, 0, 0};  // in 255ths; their sum is 255
+
+  bool operator==(const Influences&) const = default;
+};
+
 // A cage in memory. The spans lie in memory that the Pack owns, or a CageMemory.
 struct Cage {
   int side = 0;                           // of a cell, level-0 voxels
@@ -119,6 +128,8 @@ struct Cage {
   // Of coarser cages, one a node: the cell of the next finer cage that it moves with << 3 | the corner of the
   // cell where it is; or, if it is at none, kFollowsAll | the cell.
   std::span<const std::uint32_t> follows;
+  // One a node; empty: nodes follow no parts, but the part's own spline, or the next finer cage.
+  std::span<const Influences> influences;
   // Cells of the tree's leaves, kLeafCells of each, the first of them first; kCageOutside: none.
   std::span<const std::uint32_t> leaves;
 

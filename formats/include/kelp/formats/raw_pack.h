@@ -77,6 +77,8 @@ struct RawPart {
   // One for each of the levels, or none. cell: side of the finest one's cells: 2, 4, 8 or 16.
   int cell = 0;
   std::vector<RawCage> cages;
+  // One for each node of the finest cage; none: the nodes go where the part's own spline takes them.
+  std::vector<Influences> influences;
 };
 
 struct RawTrack {
