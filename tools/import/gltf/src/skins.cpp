@@ -332,7 +332,8 @@ GltfSkins::Chain GltfSkins::chainOf(std::size_t joint, const glm::dmat4& from_wo
   const bool any = first != chain.nodes.end();
   const std::ptrdiff_t above = any ? first - chain.nodes.begin() : std::max<std::ptrdiff_t>(count - 1, 0);
   its.base = chain.from_parent;
-  for (std::ptrdiff_t i = 0; i < above; ++i) its.base = its.base * localMatrix(model_.node(chain.nodes[at(i)]));
+  for (std::ptrdiff_t i = 0; i < above; ++i)
+    its.base = its.base * localMatrix(model_.node(chain.nodes[at(i)]));
   glm::dmat4 to_joint = its.inverse_bind;
   for (std::ptrdiff_t i = count - 1; any && i >= last - chain.nodes.begin(); --i)
     to_joint = localMatrix(model_.node(chain.nodes[at(i)])) * to_joint;

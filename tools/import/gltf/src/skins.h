@@ -52,7 +52,8 @@ class GltfSkins {
   // How a joint moves within its parent's motion: the product of all these.
   struct Chain {
     std::vector<int> nodes;  // below the parent joint's, down to its own
-    glm::dmat4 from_parent;  // the soup's space in the bind pose <- the parent joint's own; of none: the world's
+    glm::dmat4
+        from_parent;  // the soup's space in the bind pose <- the parent joint's own; of none: the world's
   };
   void sortJoints();
   void hangJoints(const std::vector<std::uint32_t>& place);
@@ -69,7 +70,7 @@ class GltfSkins {
   std::vector<int> nodes_;              // of each joint; -1: stands still
   std::vector<glm::dmat4> from_world_;  // of each joint: its node's space <- the world in the bind pose
   std::multimap<int, std::uint32_t>
-      of_node_;           // the joints of a node: one, but where skins bind it differently
+      of_node_;                // the joints of a node: one, but where skins bind it differently
   std::vector<Chain> chains_;  // of each joint
   int vertex_node_ = -1;       // of the last vertex
 };

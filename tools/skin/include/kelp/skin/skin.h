@@ -32,6 +32,8 @@ struct SkinJoint {
   int parent = -1;        // an earlier joint
   glm::dmat4x3 pivot{1};  // pivot space -> the soup's
   RigDescription rig;     // a clip for each of the skin's, in their order; sockets
+  // Layers of voxels by which its box is longer than the body's, below and above along y: sockets lie there.
+  glm::ivec2 grow{0};
 };
 
 struct SkinCage {

@@ -86,8 +86,9 @@ struct SourceSkin {
     std::string name;
     int parent = -1;             // an earlier joint, -1: none
     glm::dmat4 inverse_bind{1};  // the soup's space in the bind pose -> the joint's own
-    // The node that clips move: what it is placed in, and its own axes. In the bind pose; to the soup's space.
-    // If base^-1 frame is a translation, a rotation and a scale, so is every motion, about an axis of them.
+    // The node that clips move: what it is placed in, and its own axes. In the bind pose; to the soup's
+    // space. If base^-1 frame is a translation, a rotation and a scale, so is every motion, about an axis of
+    // them.
     glm::dmat4 base{1}, frame{1};
   };
   struct Influence {
@@ -96,7 +97,7 @@ struct SourceSkin {
   };
   struct Clip {
     std::string name;
-    float duration = 0;                 // seconds, > 0
+    float duration = 0;                // seconds, > 0
     std::vector<float> times;          // strictly ascending, the first 0
     std::vector<glm::dmat4x3> locals;  // for each time, for each joint: its motion within its parent's
   };
