@@ -98,6 +98,10 @@ void limitJoints(SourceSkin& skin, std::size_t most, std::vector<std::string>& n
         if (kept[j]) locals.push_back(within[j]);
       }
     clip.locals = std::move(locals);
+    std::vector<glm::dquat> turns;
+    for (std::size_t i = 0; i < clip.turns.size(); ++i)
+      if (kept[i % count]) turns.push_back(clip.turns[i]);
+    clip.turns = std::move(turns);
   }
   const auto follow = [&](std::uint32_t& joint) {
     const int to = above[joint];

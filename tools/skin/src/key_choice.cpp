@@ -91,14 +91,28 @@ double shareOf(const std::vector<float>& times, std::size_t i, std::size_t a, st
          (static_cast<double>(times[b]) - static_cast<double>(times[a]));
 }
 
+double sizeOf(const glm::dmat3& m) {
+  return std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
+}
+
 class TrackChoice {
  public:
   TrackChoice(const KeyedMotion& motion, const std::vector<float>& times, double tolerance)
       : motion_(motion), times_(times), tolerance_(tolerance), offs_(motion.places.size(), glm::dvec3(0)) {
     for (std::size_t t = 0; t < times.size(); ++t) {
       const glm::dmat3 turn = rotationOf(motion.poses[t].rotation);
+      glm::dvec3 scale = motion.poses[t].scale;
+      spread_.push_back(motion.spread[t]);
+      for (const std::size_t beside : {t > 0 ? t - 1 : t, std::min(t + 1, times.size() - 1)}) {
+        // Between a time at which all is nothing and one beside it, it is half as large as there.
+        const glm::dvec3 half = 0.5 * motion.poses[beside].scale;
+        for (int axis = 0; axis < 3; ++axis)
+          if (std::abs(half[axis]) > std::abs(scale[axis])) scale[axis] = half[axis];
+        if (0.5 * sizeOf(motion.spread[beside]) > sizeOf(spread_[t]))
+          spread_[t] = 0.5 * motion.spread[beside];
+      }
       for (std::size_t i = 0; i < motion.points; ++i)
-        turned_.push_back(turn * (motion.poses[t].scale * motion.places[t * motion.points + i]));
+        turned_.push_back(turn * (scale * motion.places[t * motion.points + i]));
     }
   }
 
@@ -122,7 +136,7 @@ class TrackChoice {
   double farthest(std::size_t t, const Off& off) const {
     double most = 0;
     for (std::size_t i = 0; i < motion_.points; ++i) {
-      const glm::dvec3 moved = motion_.spread[t] * off(i);
+      const glm::dvec3 moved = spread_[t] * off(i);
       most = std::max(most, glm::dot(moved, moved));
     }
     return std::sqrt(most);
@@ -236,6 +250,7 @@ class TrackChoice {
   const KeyedMotion& motion_;
   const std::vector<float>& times_;
   const double tolerance_;
+  std::vector<glm::dmat3> spread_;  // as motion_.spread
   std::vector<glm::dvec3> turned_;  // the places, as the joint turns and scales them
   std::vector<glm::dvec3> offs_;    // of them: what the tracks so far leave
 };
@@ -252,8 +267,7 @@ double KeyedMotion::reach() const {
 
 double KeyedMotion::size() const {
   double most = 0;
-  for (const glm::dmat3& m : spread)
-    for (int axis = 0; axis < 3; ++axis) most = std::max(most, glm::length(m[axis]));
+  for (const glm::dmat3& m : spread) most = std::max(most, sizeOf(m));
   return most;
 }
 

@@ -56,19 +56,22 @@ class ClipKeys {
     countMoving();
   }
 
-  // Chosen with less tolerance for each joint, or more, until all together keep it.
+  // Chosen with less tolerance for each joint, or more, until all together keep it. Where floats cannot,
+  // those that are nearest.
   std::vector<std::vector<RigDescription::Track>> make(double tolerance) const {
+    constexpr int kRounds = 4, kMostRounds = 12;
     std::vector<std::vector<RigDescription::Track>> best;
-    double share = 1.5;
-    constexpr int kRounds = 4;
-    for (int round = 0; round < kRounds || best.empty(); ++round) {
+    double share = 1.5, least = INFINITY;
+    for (int round = 0; round < (least <= tolerance ? kRounds : kMostRounds); ++round) {
       std::vector<std::vector<RigDescription::Track>> tracks = tracksFor(share * tolerance);
       const double worst = farthest(tracks);
-      if (worst <= tolerance) best = std::move(tracks);
+      // Of those that keep it, the last: shares only grow then.
+      if (worst <= tolerance || worst < least) {
+        best = std::move(tracks);
+        least = worst;
+      }
       if (worst <= tolerance && worst >= 0.85 * tolerance) break;
-      if (round > 0 && worst <= tolerance && round + 1 >= kRounds) break;
-      share *= worst > 0 ? std::clamp(0.94 * tolerance / worst, 0.1, 2.0) : 2;
-      if (share < 1e-6) break;
+      share *= worst > 0 ? std::clamp(0.94 * tolerance / worst, 0.2, 2.0) : 2;
     }
     return best;
   }
@@ -89,11 +92,16 @@ class ClipKeys {
     poses_.resize(clip_.locals.size());
     locals_.resize(clip_.locals.size());
     motions_.resize(clip_.locals.size());
+    std::vector<glm::dquat> at_rest;  // of the nodes that turn, as the pivots have them
+    for (const SourceSkin::Joint& joint : skin_.joints)
+      at_rest.push_back(nearestTrs(glm::dmat4x3(glm::inverse(joint.base) * joint.frame)).rotation);
     for (std::size_t t = 0; t < clip_.times.size(); ++t)
       for (std::size_t j = 0; j < count_; ++j) {
         const std::size_t i = t * count_ + j;
         poses_[i] = nearestTrs(to_pivots_[j] * glm::dmat4(clip_.locals[i]) * glm::dmat4(pivots_[j]),
-                               t == 0 ? glm::dquat(1, 0, 0, 0) : poses_[i - count_].rotation);
+                               glm::conjugate(at_rest[j]) * clip_.turns[i]);
+        const glm::dquat before = t == 0 ? glm::dquat(1, 0, 0, 0) : poses_[i - count_].rotation;
+        if (glm::dot(poses_[i].rotation, before) < 0) poses_[i].rotation = -poses_[i].rotation;
         locals_[i] = localOf(poses_[i], j);
         const int parent = skin_.joints[j].parent;
         motions_[i] = parent < 0 ? locals_[i] : motions_[t * count_ + at(parent)] * glm::dmat4(locals_[i]);

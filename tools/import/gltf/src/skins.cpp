@@ -12,20 +12,6 @@
 #include "kelp/common/error.h"
 
 namespace kelp::bake {
-namespace {
-
-constexpr double kPoseRate = 60;  // a second, beside the channels' own keys
-constexpr double kMostSamples = 20000;
-// How long a step takes, seconds: motions are linear between samples.
-constexpr float kStepTime = 1e-4f;
-// Motions of joints that differ by less, of the skin's size, are one.
-constexpr double kSameBind = 1e-5;
-
-// An index that was checked.
-template <class Index>
-std::size_t at(Index index) {
-  return static_cast<std::size_t>(index);
-}
 
 bool isRegular(const glm::dmat4& m) {
   const double volume = std::abs(glm::determinant(glm::dmat3(m)));
@@ -38,6 +24,11 @@ bool isFinite(const glm::dmat4& m) {
   return true;
 }
 
+namespace {
+
+// Motions of joints that differ by less, of the skin's size, are one.
+constexpr double kSameBind = 1e-5;
+
 bool isNear(const glm::dmat4& a, const glm::dmat4& b) {
   double apart = 0, size = 0;
   for (int column = 0; column < 4; ++column) {
@@ -47,29 +38,11 @@ bool isNear(const glm::dmat4& a, const glm::dmat4& b) {
   return apart <= kSameBind * size;
 }
 
-// The times at which motions are sampled: those of all keys, enough between them, and just before a step.
-std::vector<float> sampleTimes(const std::vector<const GltfChannel*>& channels) {
-  std::set<float> times{0};
-  for (const GltfChannel* channel : channels) {
-    for (const float time : channel->times) {
-      times.insert(time);
-      if (channel->interpolation == Interpolation::kStep && time > kStepTime) times.insert(time - kStepTime);
-    }
-  }
-  const double last = *times.rbegin();
-  const double samples = std::min(std::ceil(last * kPoseRate), kMostSamples);
-  for (double i = 1; i < samples; ++i) times.insert(static_cast<float>(last * i / samples));
-  return {times.begin(), times.end()};
-}
-
-void apply(const GltfChannel& channel, double time, GltfTransform& to) {
-  const glm::dvec4 value = evaluate(channel, time);
-  if (channel.path == GltfChannel::Path::kTranslation)
-    to.translation = glm::dvec3(value);
-  else if (channel.path == GltfChannel::Path::kScale)
-    to.scale = glm::dvec3(value);
-  else
-    to.rotation = glm::normalize(glm::dquat(value.w, value.x, value.y, value.z));
+bool isUneven(const glm::dvec3& scale) {
+  constexpr double kEven = 1e-6;
+  const glm::dvec3 size = glm::abs(scale);
+  const double most = std::max({size.x, size.y, size.z});
+  return most - std::min({size.x, size.y, size.z}) > kEven * most;
 }
 
 }  // namespace
@@ -123,8 +96,22 @@ std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int index) {
   return matrices;
 }
 
-GltfSkins::GltfSkins(const GltfModel& model, const std::vector<std::pair<int, std::string>>& sockets)
-    : model_(model) {
+GltfSkins::GltfSkins(const GltfModel& model, const std::vector<GltfAnimation>& animations,
+                     const std::vector<std::pair<int, std::string>>& sockets)
+    : model_(model), animations_(animations), moved_(model.data.nodes.size(), false), stretched_(moved_) {
+  for (std::size_t i = 0; i < moved_.size(); ++i) {
+    bool exact = true;
+    stretched_[i] = isUneven(restTransform(model.data.nodes[i], &exact).scale) || !exact;
+  }
+  for (const GltfAnimation& animation : animations)
+    for (const GltfChannel& channel : animation.channels) {
+      if (!moves(model, channel)) continue;
+      moved_[at(channel.node)] = true;
+      if (channel.path != GltfChannel::Path::kScale) continue;
+      for (const glm::dvec4& value : channel.values)
+        if (channel.interpolation == Interpolation::kCubic || isUneven(glm::dvec3(value)))
+          stretched_[at(channel.node)] = true;
+    }
   const auto hasJoints = [&](int node) {
     const int skin = model.node(node).skin;
     return skin >= 0 && !model.data.skins[static_cast<std::size_t>(skin)].joints.empty();
@@ -142,7 +129,24 @@ GltfSkins::GltfSkins(const GltfModel& model, const std::vector<std::pair<int, st
     sockets_.push_back(socket);
     skin_.sockets.push_back({name, 0, sockets_.back().place});
   }
+  addNodesAbove();
   sortJoints();
+}
+
+// Nodes between joints, and above all, are joints that move no vertex where the motions of several nodes
+// together are no translation, rotation and scale.
+void GltfSkins::addNodesAbove() {
+  const std::vector<int> joints = nodes_;
+  for (const int joint : joints) {
+    std::vector<int> moving;  // below the next joint, the lowest first
+    bool stretched = false;
+    for (int node = joint; node >= 0 && (node == joint || !of_node_.contains(node)); node = parentOf(node)) {
+      if (moved_[at(node)]) moving.push_back(node);
+      if (!moving.empty() && node != moving.front() && stretched_[at(node)]) stretched = true;
+    }
+    for (std::size_t i = moving.size(); stretched && i-- > 1;)
+      if (isRegular(worldOf(moving[i]))) (void)rigid(moving[i]);
+  }
 }
 
 std::uint32_t GltfSkins::jointOf(int node, const glm::dmat4& from_world) {
@@ -278,106 +282,6 @@ void GltfSkins::endVertex() {
   for (auto at = first; at != skin_.influences.end(); ++at) sum += static_cast<double>(at->weight);
   for (auto at = first; at != skin_.influences.end(); ++at)
     at->weight = static_cast<float>(static_cast<double>(at->weight) / sum);
-}
-
-SourceSkin GltfSkins::take(const glm::dmat4& space, const std::vector<GltfAnimation>& animations,
-                           std::vector<std::vector<bool>>& used) {
-  endVertex();
-  skin_.first_influence.push_back(static_cast<std::uint32_t>(skin_.influences.size()));
-  // The nodes whose motion reaches a joint: the joints and all above them.
-  std::vector<bool> reaches(model_.data.nodes.size(), false);
-  for (int node : nodes_)
-    for (; node >= 0 && !reaches[static_cast<std::size_t>(node)]; node = parentOf(node))
-      reaches[static_cast<std::size_t>(node)] = true;
-  std::map<std::string, std::vector<std::size_t>> by_name;  // animations of one name make one clip
-  std::vector<std::string> names;
-  for (std::size_t a = 0; a < animations.size(); ++a) {
-    bool concerned = false;
-    for (std::size_t c = 0; c < animations[a].channels.size(); ++c) {
-      if (!reaches[static_cast<std::size_t>(animations[a].channels[c].node)]) continue;
-      used[a][c] = concerned = true;
-    }
-    if (!concerned) continue;
-    std::vector<std::size_t>& list = by_name[animations[a].name];
-    if (list.empty()) names.push_back(animations[a].name);
-    list.push_back(a);
-  }
-  std::vector<bool> moved(model_.data.nodes.size(), false);
-  for (const auto& [name, members] : by_name)
-    for (const std::size_t a : members)
-      for (const GltfChannel& channel : animations[a].channels)
-        if (moves(model_, channel)) moved[static_cast<std::size_t>(channel.node)] = true;
-  const glm::dmat4 back = glm::inverse(space);
-  for (SourceSkin::Socket& socket : skin_.sockets) socket.place = back * socket.place;
-  for (std::size_t j = 0; j < nodes_.size(); ++j) skin_.joints[j].inverse_bind = from_world_[j] * space;
-  for (std::size_t j = 0; j < nodes_.size(); ++j) chains_.push_back(chainOf(j, back, moved));
-  for (const std::string& name : names) addClip(name, by_name[name], animations, reaches);
-  return std::move(skin_);
-}
-
-// The nodes between a joint and the one above. Gives the joint its axes: those of the lowest node that moves,
-// of all if none does.
-GltfSkins::Chain GltfSkins::chainOf(std::size_t joint, const glm::dmat4& from_world,
-                                    const std::vector<bool>& moved) {
-  SourceSkin::Joint& its = skin_.joints[joint];
-  const int parent = its.parent;
-  Chain chain{{}, parent < 0 ? from_world : glm::inverse(skin_.joints[at(parent)].inverse_bind)};
-  const int end = parent < 0 ? -1 : nodes_[at(parent)];
-  for (int node = nodes_[joint]; node >= 0 && node != end; node = parentOf(node)) chain.nodes.push_back(node);
-  std::reverse(chain.nodes.begin(), chain.nodes.end());
-  const auto moves = [&](int node) { return moved[at(node)]; };
-  const auto first = std::find_if(chain.nodes.begin(), chain.nodes.end(), moves);
-  const auto last = std::find_if(chain.nodes.rbegin(), chain.nodes.rend(), moves).base();
-  const std::ptrdiff_t count = std::ssize(chain.nodes);
-  const bool any = first != chain.nodes.end();
-  const std::ptrdiff_t above = any ? first - chain.nodes.begin() : std::max<std::ptrdiff_t>(count - 1, 0);
-  its.base = chain.from_parent;
-  for (std::ptrdiff_t i = 0; i < above; ++i)
-    its.base = its.base * localMatrix(model_.node(chain.nodes[at(i)]));
-  glm::dmat4 to_joint = its.inverse_bind;
-  for (std::ptrdiff_t i = count - 1; any && i >= last - chain.nodes.begin(); --i)
-    to_joint = localMatrix(model_.node(chain.nodes[at(i)])) * to_joint;
-  const bool placed = isRegular(its.base) && isFinite(its.base);
-  its.frame = isRegular(to_joint) ? glm::inverse(to_joint) : placed ? its.base : glm::dmat4(1);
-  if (!placed) its.base = its.frame;
-  return chain;
-}
-
-void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>& members,
-                        const std::vector<GltfAnimation>& animations, const std::vector<bool>& reaches) {
-  SourceSkin::Clip clip{name, 0, {}, {}};
-  std::vector<const GltfChannel*> channels;
-  for (const std::size_t a : members) {
-    clip.duration = std::max(clip.duration, animations[a].duration);
-    for (const GltfChannel& channel : animations[a].channels)
-      if (reaches[static_cast<std::size_t>(channel.node)]) channels.push_back(&channel);
-  }
-  if (!(clip.duration > 0)) clip.duration = 1;  // a pose of one key lasts a second
-  clip.times = sampleTimes(channels);
-  const std::string place = "animation '" + name + "'";
-  model_.countRead(clip.times.size() * (model_.placed.size() + channels.size()), place);
-  model_.budget->take(clip.times.size() * nodes_.size() * sizeof(glm::dmat4x3), place);
-
-  std::vector<GltfTransform> rest;
-  for (const tinygltf::Node& node : model_.data.nodes) rest.push_back(restTransform(node));
-  std::vector<glm::dmat4> local(model_.data.nodes.size(), glm::dmat4(1));
-  for (const int node : model_.placed) local[at(node)] = localMatrix(model_.node(node));
-  for (std::size_t t = 0; t < clip.times.size(); ++t) {
-    std::vector<GltfTransform> posed = rest;
-    for (const GltfChannel* channel : channels)
-      apply(*channel, static_cast<double>(clip.times[t]), posed[at(channel->node)]);
-    for (const GltfChannel* channel : channels) local[at(channel->node)] = posed[at(channel->node)].matrix();
-    for (std::size_t j = 0; j < nodes_.size(); ++j) {
-      glm::dmat4 motion = nodes_[j] < 0 ? glm::dmat4(1) : chains_[j].from_parent;
-      for (const int node : chains_[j].nodes) motion = motion * local[at(node)];
-      clip.locals.emplace_back(nodes_[j] < 0 ? motion : motion * skin_.joints[j].inverse_bind);
-    }
-    const std::vector<glm::dmat4x3> motions = skin_.motionsAt(clip, t);
-    for (std::size_t j = 0; j < nodes_.size(); ++j)
-      if (!isFinite(glm::dmat4(motions[j])))
-        model_.refuse(place, "moves " + model_.nodeName(nodes_[j]) + " beyond all numbers");
-  }
-  skin_.clips.push_back(std::move(clip));
 }
 
 }  // namespace kelp::bake

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "kelp/import/core/memory_estimate.h"
 #include "kelp/rig/rig_file.h"
@@ -100,6 +101,7 @@ struct SourceSkin {
     float duration = 0;                // seconds, > 0
     std::vector<float> times;          // strictly ascending, the first 0
     std::vector<glm::dmat4x3> locals;  // for each time, for each joint: its motion within its parent's
+    std::vector<glm::dquat> turns;     // likewise: the rotation of its node, which a scale of nothing hides
   };
   // A named place that follows a joint.
   struct Socket {
@@ -176,14 +178,13 @@ struct OuterRig {
   RigFile file;
   std::string origin;  // "hero.rig.json beside the input"
 
-  bool isWhole() const { return file.parts.empty() && file.whole.skin.empty(); }
-  bool dividesSkin() const { return !file.whole.skin.empty(); }
+  bool isWhole() const { return file.parts.empty(); }
 };
 
 struct SourceModel {
   std::string format;  // "glTF 2.0", "OBJ", "OpenVDB", ...
   std::vector<SourcePart> parts;
-  // Its rigs of parts have been given, but those of a skin, which is not divided yet.
+  // Its rigs of parts have been given, but those of the joints of a skin, which are no parts yet.
   std::optional<OuterRig> outer;
   std::vector<SurfaceMaterial> materials;  // at least one
   // for files that are painted by index: the pack's palette, in this order, at most 256; empty: the baker
