@@ -2,6 +2,7 @@
 #include "moments.h"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace kelp::bake {
 
@@ -11,23 +12,22 @@ std::vector<double> evenTimes(const SourceSkin::Clip& clip, int count) {
   return times;
 }
 
-std::vector<glm::dmat4x3> motionsAt(const SourceSkin& skin, std::uint32_t index, double time) {
-  const SourceSkin::Clip& clip = skin.clips[index];
-  const std::size_t count = skin.joints.size();
-  const auto after = std::upper_bound(clip.times.begin(), clip.times.end(), time,
+std::vector<glm::dmat4x3> motionsAt(const SourceSkin& skin, std::uint32_t clip, double time) {
+  const SourceSkin::Clip& its = skin.clips[clip];
+  const auto after = std::upper_bound(its.times.begin(), its.times.end(), time,
                                       [](double t, float key) { return t < static_cast<double>(key); });
-  const auto b = static_cast<std::size_t>(after - clip.times.begin());
-  std::vector<glm::dmat4x3> out;
-  for (std::size_t j = 0; j < count; ++j) {
-    if (b == 0 || b == clip.times.size()) {
-      out.push_back(clip.motions[(b == 0 ? 0 : b - 1) * count + j]);
-      continue;
-    }
-    const double begin = clip.times[b - 1], end = clip.times[b], share = (time - begin) / (end - begin);
-    const glm::dmat4x3& from = clip.motions[(b - 1) * count + j];
-    out.push_back(from + share * (clip.motions[b * count + j] - from));
+  const auto b = static_cast<std::size_t>(after - its.times.begin()), a = b > 0 ? b - 1 : 0;
+  const std::size_t count = skin.joints.size();
+  SourceSkin::Clip moment;
+  const auto row = its.locals.begin() + static_cast<std::ptrdiff_t>(a * count);
+  moment.locals.assign(row, row + static_cast<std::ptrdiff_t>(count));
+  if (b > 0 && after != its.times.end()) {
+    const double begin = static_cast<double>(its.times[a]), end = static_cast<double>(its.times[b]);
+    const double share = (time - begin) / (end - begin);
+    for (std::size_t j = 0; j < count; ++j)
+      moment.locals[j] += share * (its.locals[b * count + j] - moment.locals[j]);
   }
-  return out;
+  return skin.motionsAt(moment, 0);
 }
 
 }  // namespace kelp::bake

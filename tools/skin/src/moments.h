@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How joints move.
+// How joints move at moments of a clip.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,11 @@
 
 namespace kelp::bake {
 
+// The middles of `count` equal stretches of a clip.
 std::vector<double> evenTimes(const SourceSkin::Clip& clip, int count);
+
+// The motions of all joints, posed <- bind pose in the soup's space; between samples, motions within the
+// parent joint are linear.
 std::vector<glm::dmat4x3> motionsAt(const SourceSkin& skin, std::uint32_t clip, double time);
 
 }  // namespace kelp::bake

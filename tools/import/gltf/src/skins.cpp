@@ -21,6 +21,12 @@ constexpr float kStepTime = 1e-4f;
 // Motions of joints that differ by less, of the skin's size, are one.
 constexpr double kSameBind = 1e-5;
 
+// An index that was checked.
+template <class Index>
+std::size_t at(Index index) {
+  return static_cast<std::size_t>(index);
+}
+
 bool isRegular(const glm::dmat4& m) {
   const double volume = std::abs(glm::determinant(glm::dmat3(m)));
   return volume > 1e-30 && std::isfinite(volume);
@@ -150,7 +156,6 @@ std::uint32_t GltfSkins::jointOf(int node, const glm::dmat4& from_world) {
   SourceSkin::Joint& made = skin_.joints.emplace_back();
   if (node >= 0) made.name = oneLine(model_.node(node).name, 80);
   if (made.name.empty()) made.name = node < 0 ? "scene" : fmt::format("node {}", node);
-  if (isRegular(from_world)) made.origin = glm::dvec3(glm::inverse(from_world)[3]);
   return joint;
 }
 
@@ -223,12 +228,30 @@ void GltfSkins::sortJoints() {
   for (auto& [node, mesh] : meshes_)
     for (std::uint32_t& joint : mesh.joints) joint = place[joint];
   for (std::size_t i = 0; i < sockets_.size(); ++i) skin_.sockets[i].joint = place[sockets_[i].joints[0]];
+  hangJoints(place);
+}
+
+// A joint follows the nearest above, in the copy that its own skin has. One that is flat in the bind pose has
+// no followers: what is placed in it is placed nowhere.
+void GltfSkins::hangJoints(const std::vector<std::uint32_t>& place) {
+  std::vector<int> skin_of(nodes_.size(), -1);
+  std::set<std::pair<int, std::uint32_t>> members;
+  for (auto& [skin, mesh] : skins_)
+    for (const std::uint32_t joint : mesh.joints) {
+      skin_of[place[joint]] = skin;
+      members.emplace(skin, place[joint]);
+    }
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
-    for (int above = nodes_[i] < 0 ? -1 : parentOf(nodes_[i]); above >= 0; above = parentOf(above)) {
-      const auto found = of_node_.find(above);
-      if (found == of_node_.end()) continue;
-      if (found->second < i) skin_.joints[i].parent = static_cast<int>(found->second);
-      break;
+    int& parent = skin_.joints[i].parent;
+    for (int above = nodes_[i] < 0 ? -1 : parentOf(nodes_[i]); above >= 0 && parent < 0;
+         above = parentOf(above)) {
+      const auto [begin, end] = of_node_.equal_range(above);
+      for (auto at = begin; at != end; ++at) {
+        if (at->second >= i || !isRegular(from_world_[at->second])) continue;
+        const bool its = members.contains({skin_of[i], at->second});
+        if (parent < 0 || its) parent = static_cast<int>(at->second);
+        if (its) break;
+      }
     }
   }
 }
@@ -279,15 +302,45 @@ SourceSkin GltfSkins::take(const glm::dmat4& space, const std::vector<GltfAnimat
     if (list.empty()) names.push_back(animations[a].name);
     list.push_back(a);
   }
-  for (const std::string& name : names) addClip(name, by_name[name], animations, reaches);
-  for (std::size_t j = 0; j < nodes_.size(); ++j) skin_.joints[j].inverse_bind = from_world_[j] * space;
-  if (space == glm::dmat4(1)) return std::move(skin_);
+  std::vector<bool> moved(model_.data.nodes.size(), false);
+  for (const auto& [name, members] : by_name)
+    for (const std::size_t a : members)
+      for (const GltfChannel& channel : animations[a].channels)
+        if (moves(model_, channel)) moved[static_cast<std::size_t>(channel.node)] = true;
   const glm::dmat4 back = glm::inverse(space);
   for (SourceSkin::Socket& socket : skin_.sockets) socket.place = back * socket.place;
-  for (SourceSkin::Joint& joint : skin_.joints) joint.origin = glm::dvec3(back * glm::dvec4(joint.origin, 1));
-  for (SourceSkin::Clip& clip : skin_.clips)
-    for (glm::dmat4x3& motion : clip.motions) motion = glm::dmat4x3(back * glm::dmat4(motion) * space);
+  for (std::size_t j = 0; j < nodes_.size(); ++j) skin_.joints[j].inverse_bind = from_world_[j] * space;
+  for (std::size_t j = 0; j < nodes_.size(); ++j) chains_.push_back(chainOf(j, back, moved));
+  for (const std::string& name : names) addClip(name, by_name[name], animations, reaches);
   return std::move(skin_);
+}
+
+// The nodes between a joint and the one above. Gives the joint its axes: those of the lowest node that moves,
+// of all if none does.
+GltfSkins::Chain GltfSkins::chainOf(std::size_t joint, const glm::dmat4& from_world,
+                                    const std::vector<bool>& moved) {
+  SourceSkin::Joint& its = skin_.joints[joint];
+  const int parent = its.parent;
+  Chain chain{{}, parent < 0 ? from_world : glm::inverse(skin_.joints[at(parent)].inverse_bind)};
+  const int end = parent < 0 ? -1 : nodes_[at(parent)];
+  for (int node = nodes_[joint]; node >= 0 && node != end; node = parentOf(node)) chain.nodes.push_back(node);
+  std::reverse(chain.nodes.begin(), chain.nodes.end());
+  const auto moves = [&](int node) { return moved[at(node)]; };
+  const auto first = std::find_if(chain.nodes.begin(), chain.nodes.end(), moves);
+  const auto last = std::find_if(chain.nodes.rbegin(), chain.nodes.rend(), moves).base();
+  const std::ptrdiff_t count = std::ssize(chain.nodes);
+  const bool any = first != chain.nodes.end();
+  const std::ptrdiff_t above = any ? first - chain.nodes.begin() : std::max<std::ptrdiff_t>(count - 1, 0);
+  its.base = chain.from_parent;
+  for (std::ptrdiff_t i = 0; i < above; ++i)
+    its.base = its.base * localMatrix(model_.node(chain.nodes[at(i)]));
+  glm::dmat4 to_joint = its.inverse_bind;
+  for (std::ptrdiff_t i = count - 1; any && i >= last - chain.nodes.begin(); --i)
+    to_joint = localMatrix(model_.node(chain.nodes[at(i)])) * to_joint;
+  const bool placed = isRegular(its.base) && isFinite(its.base);
+  its.frame = isRegular(to_joint) ? glm::inverse(to_joint) : placed ? its.base : glm::dmat4(1);
+  if (!placed) its.base = its.frame;
+  return chain;
 }
 
 void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>& members,
@@ -306,26 +359,23 @@ void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>&
   model_.budget->take(clip.times.size() * nodes_.size() * sizeof(glm::dmat4x3), place);
 
   std::vector<GltfTransform> rest;
-  std::vector<bool> animated(model_.data.nodes.size(), false);
   for (const tinygltf::Node& node : model_.data.nodes) rest.push_back(restTransform(node));
-  for (const GltfChannel* channel : channels) animated[static_cast<std::size_t>(channel->node)] = true;
-  std::vector<glm::dmat4> world = model_.world;
-  for (const float time : clip.times) {
+  std::vector<glm::dmat4> local(model_.data.nodes.size(), glm::dmat4(1));
+  for (const int node : model_.placed) local[at(node)] = localMatrix(model_.node(node));
+  for (std::size_t t = 0; t < clip.times.size(); ++t) {
     std::vector<GltfTransform> posed = rest;
     for (const GltfChannel* channel : channels)
-      apply(*channel, static_cast<double>(time), posed[static_cast<std::size_t>(channel->node)]);
-    for (const int node : model_.placed) {
-      const auto at = static_cast<std::size_t>(node);
-      const glm::dmat4 local = animated[at] ? posed[at].matrix() : localMatrix(model_.node(node));
-      world[at] = parentOf(node) < 0 ? local : world[static_cast<std::size_t>(parentOf(node))] * local;
-    }
+      apply(*channel, static_cast<double>(clip.times[t]), posed[at(channel->node)]);
+    for (const GltfChannel* channel : channels) local[at(channel->node)] = posed[at(channel->node)].matrix();
     for (std::size_t j = 0; j < nodes_.size(); ++j) {
-      const glm::dmat4 motion =
-          nodes_[j] < 0 ? glm::dmat4(1) : world[static_cast<std::size_t>(nodes_[j])] * from_world_[j];
-      if (!isFinite(motion))
-        model_.refuse(place, "moves " + model_.nodeName(nodes_[j]) + " beyond all numbers");
-      clip.motions.emplace_back(motion);
+      glm::dmat4 motion = nodes_[j] < 0 ? glm::dmat4(1) : chains_[j].from_parent;
+      for (const int node : chains_[j].nodes) motion = motion * local[at(node)];
+      clip.locals.emplace_back(nodes_[j] < 0 ? motion : motion * skin_.joints[j].inverse_bind);
     }
+    const std::vector<glm::dmat4x3> motions = skin_.motionsAt(clip, t);
+    for (std::size_t j = 0; j < nodes_.size(); ++j)
+      if (!isFinite(glm::dmat4(motions[j])))
+        model_.refuse(place, "moves " + model_.nodeName(nodes_[j]) + " beyond all numbers");
   }
   skin_.clips.push_back(std::move(clip));
 }

@@ -49,7 +49,15 @@ class GltfSkins {
   std::uint32_t jointOf(int node, const glm::dmat4& from_world);
   void addSkinned(int node);
   Mesh rigid(int node);
+  // How a joint moves within its parent's motion: the product of all these.
+  struct Chain {
+    std::vector<int> nodes;  // below the parent joint's, down to its own
+    glm::dmat4
+        from_parent;  // the soup's space in the bind pose <- the parent joint's own; of none: the world's
+  };
   void sortJoints();
+  void hangJoints(const std::vector<std::uint32_t>& place);
+  Chain chainOf(std::size_t joint, const glm::dmat4& from_world, const std::vector<bool>& moved);
   void endVertex();
   void addClip(const std::string& name, const std::vector<std::size_t>& members,
                const std::vector<GltfAnimation>& animations, const std::vector<bool>& reaches);
@@ -62,8 +70,9 @@ class GltfSkins {
   std::vector<int> nodes_;              // of each joint; -1: stands still
   std::vector<glm::dmat4> from_world_;  // of each joint: its node's space <- the world in the bind pose
   std::multimap<int, std::uint32_t>
-      of_node_;           // the joints of a node: one, but where skins bind it differently
-  int vertex_node_ = -1;  // of the last vertex
+      of_node_;                // the joints of a node: one, but where skins bind it differently
+  std::vector<Chain> chains_;  // of each joint
+  int vertex_node_ = -1;       // of the last vertex
 };
 
 }  // namespace kelp::bake

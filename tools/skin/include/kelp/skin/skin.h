@@ -31,6 +31,8 @@ struct SkinJoint {
   int parent = -1;        // an earlier joint
   glm::dmat4x3 pivot{1};  // pivot space -> the soup's
   RigDescription rig;     // a clip for each of the skin's, in their order; sockets
+  // Layers of voxels by which its box is longer than the body's, below and above along y: sockets lie there.
+  glm::ivec2 grow{0};
 };
 
 struct SkinCage {
@@ -41,6 +43,10 @@ struct SkinCage {
   std::vector<SkinFit> fits;           // of each clip
   std::vector<std::string> notices;
 };
+
+// Takes joints away until there are at most `most`: first those that move nothing; then, with a notice, those
+// that move least, whose vertices and sockets follow the nearest joint above that is kept.
+void limitJoints(SourceSkin& skin, std::size_t most, std::vector<std::string>& notices);
 
 // The cage of a soup that bends by joints, and its joints as parts. `whole`: its voxels, which are in `frame`.
 // cell: side of the finest cells, 2, 4, 8 or 16; 0: the largest with which the cage follows the skin in every
