@@ -73,7 +73,7 @@ std::vector<JointMotions> inventedMoments(const SourceSkin& skin, const Frame& f
     for (std::size_t j = 0; j < skin.joints.size(); ++j) {
       glm::dvec3 about(0);
       about[static_cast<int>((axis + j) % 3)] = 1;
-      const glm::dvec3& at = skin.joints[j].origin;
+      const glm::dvec3 at(skin.joints[j].frame[3]);
       const glm::dmat4 turn = glm::translate(glm::dmat4(1), at) *
                               glm::rotate(glm::dmat4(1), j % 2 ? -kTurn : kTurn, about) *
                               glm::translate(glm::dmat4(1), -at);
