@@ -48,8 +48,7 @@ Result<Pose> Pose::create(std::span<const Part> parts, bool joints, const Alloca
     pose.shapes()[i] = {parts[i].size, parts[i].bend, parts[i].roll};
   }
   pose.firstKnots()[parts.size()] = n;
-  if (const Result<void> made = PoseCages::create(parts, joints, allocator, pose); !made)
-    return made.error();
+  if (const Result<void> made = PoseCages::create(parts, joints, allocator, pose); !made) return made.error();
   pose.reset();
   return pose;
 }

@@ -34,8 +34,8 @@ class BentMap {
   glm::vec3 place(const glm::vec3& rest) const {
     const auto height = static_cast<float>(posed_.part->size.y);
     const glm::vec3 end(rest.x, std::clamp(rest.y, 0.0f, height), rest.z);
-    const glm::vec3 at = arcs_ ? sweepPoint(*arcs_, posed_.part->size, end)
-                               : shear(posed_.knots, posed_.part->size, end);
+    const glm::vec3 at =
+        arcs_ ? sweepPoint(*arcs_, posed_.part->size, end) : shear(posed_.knots, posed_.part->size, end);
     return rest.y == end.y ? at : at + (rest.y - end.y) * along(end.y);
   }
 

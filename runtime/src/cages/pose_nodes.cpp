@@ -14,9 +14,10 @@
 namespace kelp::runtime {
 namespace {
 
-constexpr Error kFollowsNowhere{ErrorCode::kMisuse,
-                                "a part that the nodes of a cage follow has a motion of no finite numbers, or "
-                                "takes them farther away than 2^20 times the part's longest side"};
+constexpr Error kFollowsNowhere{
+    ErrorCode::kMisuse,
+    "a part that the nodes of a cage follow has a motion of no finite numbers, or "
+    "takes them farther away than 2^20 times the part's longest side"};
 constexpr Error kBadNode{ErrorCode::kMisuse,
                          "a node that was written is no finite number, or farther away than 2^20 times the "
                          "part's longest side",
@@ -337,7 +338,8 @@ std::optional<std::size_t> PoseCages::badNode(const Pose& pose, int part, const 
 Result<void> PoseCages::check(const Pose& pose, int part) {
   const NodesInPose* const in = of(pose, part);
   if (!in) return {};
-  if (in->followsParts()) return followedBounds(pose, part).empty() ? Result<void>(kFollowsNowhere) : Result<void>();
+  if (in->followsParts())
+    return followedBounds(pose, part).empty() ? Result<void>(kFollowsNowhere) : Result<void>();
   if (!in->written) return {};
   const auto isBounded = [in](const CageInPose& cage) { return cage.bounded.isMade(in->placements); };
   if (std::any_of(in->cages.begin(), in->cages.end(), isBounded)) return {};  // it was checked then

@@ -58,9 +58,9 @@ inline glm::ivec3 latticePoint(std::uint32_t place) {
 
 // A cage as a pose has it.
 struct CageInPose {
-  Once placed;       // nodes; of the finest cage only if the host did not write them: for PoseCages::placedFor()
-  Once bounded;      // all below `leaves`; this and coarser nodes: for PoseCages::madeFor()
-  Once grown;        // the tree, also for that
+  Once placed;   // nodes; of the finest cage only if the host did not write them: for PoseCages::placedFor()
+  Once bounded;  // all below `leaves`; this and coarser nodes: for PoseCages::madeFor()
+  Once grown;    // the tree, also for that
   glm::vec3* nodes;  // one float more may be read after the last
   Box* tree;         // 2 * leaves
   std::uint32_t node_count, cell_count, leaves;
@@ -116,7 +116,7 @@ struct PoseCages {
   // Where the host's joints take a part; null: they do not.
   static const glm::mat4* drivenTo(const Pose& pose, int part);
   static void drive(Pose& pose, int part, const glm::mat4& to);  // forgetMotions() ends it
-  static void release(Pose& pose);  // from the host's joints
+  static void release(Pose& pose);                               // from the host's joints
   static void forgetMotions(Pose& pose);
   // To be called before motions are blended. weights: one a part, or none: `weight` for all.
   static void blendDriven(const Pose& to, float weight, std::span<const float> weights, Pose& pose);
@@ -135,7 +135,8 @@ struct PoseCages {
   static void assign(const Pose& from, Pose& to);
   // To be called before the knots are blended. weight: of the part.
   static void blend(const Pose& to, int part, float weight, Pose& pose);
-  // An error if a node that the host wrote is no finite number, or too far away, or if parts take nodes there.
+  // An error if a node that the host wrote is no finite number, or too far away, or if parts take nodes
+  // there.
   static Result<void> check(const Pose& pose, int part);
   // The first node that is no finite number, or too far away.
   static std::optional<std::size_t> badNode(const Pose& pose, int part, const glm::vec3* nodes,
