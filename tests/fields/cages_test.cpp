@@ -289,7 +289,9 @@ void expectTrue(const NamedVolume& volume, const std::vector<std::uint16_t>& lab
       ASSERT_EQ(made.split_points, expected.split_points);
       ASSERT_EQ(made.splits, expected.splits);
       ASSERT_EQ(made.follows, expected.follows);
-      ASSERT_EQ(followedCells(cages.cages[static_cast<std::size_t>(i)]), truth.back().follows);
+      const Cage& cage = cages.cages[static_cast<std::size_t>(i)];
+      ASSERT_EQ(followWords(cage), followWords(truth.back().follows, cage,
+                                               cages.cages[static_cast<std::size_t>(std::max(i - 1, 0))]));
     }
   }
 }

@@ -289,8 +289,8 @@ void voxelizeParts(Job& job) {
 
 // The one part of a model that bends by joints gets its cage; its joints become parts.
 std::vector<SkinFit> divideSkin(Job& job) {
-  SkinnedBody body = divideSkinnedPart(job.model, job.frames.front(), job.settings, job.threads, job.progress,
-                                       job.report);
+  SkinnedBody body =
+      divideSkinnedPart(job.model, job.frames.front(), job.settings, job.threads, job.progress, job.report);
   requireRiggedParts(job.model, job.settings, job.input);
   job.frames.assign(job.model.parts.size(), Frame());
   layParts(job);

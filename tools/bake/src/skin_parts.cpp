@@ -51,8 +51,7 @@ SourcePart jointPart(SkinJoint joint, const SourcePart& body) {
   if (part.name == body.name) part.name += ".joint";
   part.parent = joint.parent < 0 ? -1 : 1 + joint.parent;
   part.to_object = body.to_object;
-  part.pivot = glm::mat4x3(
-      glm::dmat4x3(glm::dmat4(glm::dmat4x3(body.to_object)) * glm::dmat4(joint.pivot)));
+  part.pivot = glm::mat4x3(glm::dmat4x3(glm::dmat4(glm::dmat4x3(body.to_object)) * glm::dmat4(joint.pivot)));
   part.rig = std::move(joint.rig);
   part.rig.bend = Bend::kShear;
   part.rig_origin = body.rig_origin;
@@ -77,9 +76,8 @@ SkinnedBody divideSkinnedPart(SourceModel& model, const Frame& frame, const Sett
                               const Progress& progress, Report& report) {
   SourcePart& body = model.parts.front();
   SourceSkin skin = *std::exchange(body.skin, std::nullopt);
-  SkinCage made = cageOfSkin(std::exchange(body.soup, {}), skin, frame, *body.grid,
-                             settings.cell.value_or(0), levelCount(body.grid->size, settings.levels), threads,
-                             progress);
+  SkinCage made = cageOfSkin(std::exchange(body.soup, {}), skin, frame, *body.grid, settings.cell.value_or(0),
+                             levelCount(body.grid->size, settings.levels), threads, progress);
   std::ranges::move(made.notices, std::back_inserter(report.notices));
   SkinnedBody out{std::move(made.fits), made.cell, std::move(made.cages), std::move(made.influences),
                   jointsOf(skin, body.to_object, report)};

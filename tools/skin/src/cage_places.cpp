@@ -21,15 +21,14 @@ CagePlaces::CagePlaces(const fields::SolidBits& solid, const VoxelLabels& labels
   if (!made) throw std::length_error(made.error().detail);
   cage_ = *made;
   first_cells_.assign(raw_.blocks.size(), kCageOutside);
-  for (std::uint32_t c = cage_.cells(); c-- > 0;)
-    first_cells_[denseIndex(cage_.grid, cage_.place(c))] = c;
+  for (std::uint32_t c = cage_.cells(); c-- > 0;) first_cells_[denseIndex(cage_.grid, cage_.place(c))] = c;
 }
 
 std::optional<glm::ivec3> CagePlaces::nearestVoxel(const glm::dvec3& point,
                                                    std::optional<std::uint16_t> label) const {
   constexpr int kFarthest = 6;
-  const glm::ivec3 middle(glm::clamp(glm::floor(point), glm::dvec3(-kFarthest),
-                                     glm::dvec3(solid_.size() + kFarthest)));
+  const glm::ivec3 middle(
+      glm::clamp(glm::floor(point), glm::dvec3(-kFarthest), glm::dvec3(solid_.size() + kFarthest)));
   std::optional<glm::ivec3> best;
   double nearest = 0;
   for (int reach = 0; reach <= kFarthest; ++reach) {

@@ -14,7 +14,8 @@
 namespace kelp::bake {
 namespace {
 
-// Components whose weights differ by less where they touch, in the mean, stay together. 1: no joint in common.
+// Components whose weights differ by less where they touch, in the mean, stay together. 1: no joint in
+// common.
 constexpr double kAlike = 0.4;
 constexpr std::uint32_t kMostLabels = 65535;
 

@@ -17,8 +17,8 @@
 namespace kelp::bake {
 namespace {
 
-constexpr int kMoments = 12;              // of a clip
-constexpr std::size_t kMostMoments = 192;  // by which cells are chosen
+constexpr int kMoments = 12;                       // of a clip
+constexpr std::size_t kMostMoments = 192;          // by which cells are chosen
 constexpr double kMostMean = 0.3, kMostP95 = 1.0;  // voxels: cells are chosen so that no clip is farther
 constexpr double kEdge = 1.5;                      // voxels between samples
 constexpr double kKeys = 0.01;                     // voxels: tolerance of keys
@@ -54,8 +54,7 @@ struct TriedCage {
   TriedCage(const SkinBody& body, int cell) : places(body.solid, body.labels.voxels, cell) {
     SamplePlaces known = body.placesOf(body.samples, places);
     judged = body.placesOf(body.judged, places);
-    influences =
-        weightsOfNodes(body.samples, known, places.cage(), body.skin.joints.size(), body.threads);
+    influences = weightsOfNodes(body.samples, known, places.cage(), body.skin.joints.size(), body.threads);
   }
   CageFit fit(const SkinBody& body, std::span<const JointMotions> moments) const {
     return fitOf(body.judged, judged, places.cage(), influences, moments);
@@ -74,7 +73,8 @@ std::vector<std::vector<JointMotions>> judgedMoments(const SkinBody& body) {
   return moments;
 }
 
-bool fits(const SkinBody& body, const TriedCage& cage, const std::vector<std::vector<JointMotions>>& moments) {
+bool fits(const SkinBody& body, const TriedCage& cage,
+          const std::vector<std::vector<JointMotions>>& moments) {
   std::vector<std::uint8_t> good(moments.size(), 0);
   parallelRanges(moments.size(), 1, body.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {

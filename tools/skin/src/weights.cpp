@@ -18,8 +18,8 @@ namespace {
 
 // How much the differences between neighbors count: of what a node's samples count in the mean.
 constexpr double kSmooth = 1e-3;
-// How much it counts that a sample is where the joint takes it, beside how much it follows the joint: squared,
-// a voxel of the one against all of the other. So flat triangles stay flat where they bend.
+// How much it counts that a sample is where the joint takes it, beside how much it follows the joint:
+// squared, a voxel of the one against all of the other. So flat triangles stay flat where they bend.
 constexpr double kMoment = 1.0 / 64;
 constexpr std::size_t kMost = 4;  // joints of a node
 
@@ -61,8 +61,8 @@ Matrix equations(const SkinSamples& samples, const SamplePlaces& places, const C
     const std::array<glm::dvec3, 4> to = toNodes(place, cage, samples.positions[s]);
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = 0; j < 4; ++j) {
-        const double value = samples.areas[s] * place.weights[i] * place.weights[j] *
-                             (1 + kMoment * glm::dot(to[i], to[j]));
+        const double value =
+            samples.areas[s] * place.weights[i] * place.weights[j] * (1 + kMoment * glm::dot(to[i], to[j]));
         add(place.nodes[i], place.nodes[j], value);
         if (i == j) diagonal += value;
       }
@@ -168,7 +168,8 @@ Influences roundedWeights(std::vector<JointWeight> weights) {
     left -= whole[i];
   }
   for (; left > 0; --left) {
-    const auto most = static_cast<std::size_t>(std::max_element(lost.begin(), lost.begin() + count) - lost.begin());
+    const auto most =
+        static_cast<std::size_t>(std::max_element(lost.begin(), lost.begin() + count) - lost.begin());
     ++whole[most];
     lost[most] -= 1;
   }
@@ -205,7 +206,8 @@ std::vector<Influences> weightsOfNodes(const SkinSamples& samples, const SampleP
     for (std::size_t j = 0; j < count; ++j)
       for (Eigen::Index n = 0; n < solved[j].size(); ++n)
         if (solved[j][n] > kLeast)
-          weights[static_cast<std::size_t>(n)].push_back({solved[j][n], static_cast<std::uint32_t>(first + j)});
+          weights[static_cast<std::size_t>(n)].push_back(
+              {solved[j][n], static_cast<std::uint32_t>(first + j)});
   }
   followNearest(samples, places, cage, edges, weights);
   std::vector<Influences> rounded;
