@@ -22,9 +22,10 @@ JointMotions inVoxels(const std::vector<glm::dmat4x3>& motions, const Frame& fra
   return out;
 }
 
-glm::dvec3 drawnAt(const SkinSamples& samples, std::size_t i, const JointMotions& motions) {
+glm::dvec3 skinnedAt(const SkinSamples& samples, std::size_t i, const JointMotions& motions) {
+  const glm::dvec4 rest(samples.positions[i], 1);
   glm::dvec3 at(0);
-  for (const SkinSamples::Weighted& w : samples.weights(i)) at += motions[w.joint] * w.x;
+  for (const SkinSamples::Weighted& w : samples.weights(i)) at += w.weight * (motions[w.joint] * rest);
   return at;
 }
 
@@ -97,7 +98,7 @@ CageFit fitOf(const SkinSamples& samples, const SamplePlaces& places, const Cage
       if (!places[i]) continue;
       glm::dvec3 at(0);
       for (int k = 0; k < 4; ++k) at += places[i]->weights[k] * nodes[places[i]->nodes[k]];
-      const double distance = glm::distance(at, drawnAt(samples, i, motions));
+      const double distance = glm::distance(at, skinnedAt(samples, i, motions));
       distances.emplace_back(distance, samples.areas[i]);
       sum += samples.areas[i] * distance;
       area += samples.areas[i];

@@ -70,7 +70,7 @@ double difference(const SkinSamples& samples, std::uint32_t a, std::uint32_t b) 
   double shared = 0;
   for (const SkinSamples::Weighted& one : samples.weights(a))
     for (const SkinSamples::Weighted& other : samples.weights(b))
-      if (one.joint == other.joint) shared += std::min(one.x.w, other.x.w);
+      if (one.joint == other.joint) shared += std::min(one.weight, other.weight);
   return 1 - shared;
 }
 

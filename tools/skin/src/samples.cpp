@@ -32,20 +32,19 @@ struct SampledTriangle {
 };
 
 // Adds a share of a vertex to a sample's list.
-void addVertex(const SourceSkin& skin, std::uint32_t vertex, const glm::dvec3& at, double share,
-               std::vector<Weighted>& list) {
+void addVertex(const SourceSkin& skin, std::uint32_t vertex, double share, std::vector<Weighted>& list) {
   double sum = 0;  // weights are floats: their sum differs from one by rounding
   for (std::uint32_t i = skin.first_influence[vertex]; i < skin.first_influence[vertex + 1]; ++i)
     sum += static_cast<double>(skin.influences[i].weight);
   for (std::uint32_t i = skin.first_influence[vertex]; i < skin.first_influence[vertex + 1]; ++i) {
     const SourceSkin::Influence& its = skin.influences[i];
-    const glm::dvec4 x = share * static_cast<double>(its.weight) / sum * glm::dvec4(at, 1);
+    const double weight = share * static_cast<double>(its.weight) / sum;
     const auto same =
         std::find_if(list.begin(), list.end(), [&](const Weighted& w) { return w.joint == its.joint; });
     if (same == list.end())
-      list.push_back({its.joint, x});
+      list.push_back({its.joint, weight});
     else
-      same->x += x;
+      same->weight += weight;
   }
 }
 
@@ -54,7 +53,7 @@ void addVertex(const SourceSkin& skin, std::uint32_t vertex, const glm::dvec3& a
 std::uint32_t SkinSamples::heaviestJoint(std::size_t i) const {
   const std::span<const Weighted> all = weights(i);
   return std::max_element(all.begin(), all.end(),
-                          [](const Weighted& a, const Weighted& b) { return a.x.w < b.x.w; })
+                          [](const Weighted& a, const Weighted& b) { return a.weight < b.weight; })
       ->joint;
 }
 
@@ -89,7 +88,7 @@ SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const F
         list.clear();
         for (std::size_t c = 0; c < 3; ++c) {
           at += shares[c] * triangle.corners[c];
-          addVertex(skin, soup.skinned[t][c], triangle.corners[c], shares[c], list);
+          addVertex(skin, soup.skinned[t][c], shares[c], list);
         }
         std::sort(list.begin(), list.end(),
                   [](const Weighted& a, const Weighted& b) { return a.joint < b.joint; });

@@ -14,12 +14,12 @@
 
 namespace kelp::bake {
 
-// Points on the triangles, in voxels of a frame. Linear blend skinning draws sample i at the sum over its
-// weighted points of motion(joint) x: on the triangle of the moved corners.
+// Points on the triangles, in voxels of a frame. Linear blend skinning takes sample i to the sum over its
+// weights of weight x motion(joint) x position.
 struct SkinSamples {
   struct Weighted {
     std::uint32_t joint = 0;
-    glm::dvec4 x{0};  // the sum of weight (position, 1); x.w is the joint's weight
+    double weight = 0;  // above 0; those of a sample sum to 1
   };
   std::vector<glm::dvec3> positions;        // in the bind pose
   std::vector<double> areas;                // above 0

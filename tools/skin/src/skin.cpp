@@ -114,7 +114,7 @@ SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fram
     if (progress && !progress("skin", done)) throw ToolError(Exit::kInterrupted, "interrupted");
   };
   report(0);
-  constexpr std::size_t kMostSamples = 300000, kMostJudged = 60000;
+  constexpr std::size_t kMostSamples = 300000, kMostJudged = 20000;
   const std::vector<std::uint32_t> components = componentsOf(soup);
   fields::Occupancy occupancy{whole.size, whole.solid};
   SkinBody body{skin,

@@ -18,9 +18,6 @@ namespace {
 
 // How much the differences between neighbors count: of what a node's samples count in the mean.
 constexpr double kSmooth = 1e-3;
-// How much it counts that a sample is where the joint takes it, beside how much it follows the joint:
-// squared, a voxel of the one against all of the other. So flat triangles stay flat where they bend.
-constexpr double kMoment = 1.0 / 64;
 constexpr std::size_t kMost = 4;  // joints of a node
 
 using Matrix = Eigen::SparseMatrix<double>;
@@ -39,13 +36,6 @@ std::vector<Edge> edgesOf(const Cage& cage) {
   return edges;
 }
 
-// From a sample to the nodes of its place.
-std::array<glm::dvec3, 4> toNodes(const CagePlaces::Place& place, const Cage& cage, const glm::dvec3& from) {
-  std::array<glm::dvec3, 4> to;
-  for (std::size_t i = 0; i < 4; ++i) to[i] = glm::dvec3(cage.rest(place.nodes[i])) - from;
-  return to;
-}
-
 // The normal equations.
 Matrix equations(const SkinSamples& samples, const SamplePlaces& places, const Cage& cage,
                  const std::vector<Edge>& edges) {
@@ -58,11 +48,9 @@ Matrix equations(const SkinSamples& samples, const SamplePlaces& places, const C
   for (std::size_t s = 0; s < samples.size(); ++s) {
     if (!places[s]) continue;
     const CagePlaces::Place& place = *places[s];
-    const std::array<glm::dvec3, 4> to = toNodes(place, cage, samples.positions[s]);
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = 0; j < 4; ++j) {
-        const double value =
-            samples.areas[s] * place.weights[i] * place.weights[j] * (1 + kMoment * glm::dot(to[i], to[j]));
+        const double value = samples.areas[s] * place.weights[i] * place.weights[j];
         add(place.nodes[i], place.nodes[j], value);
         if (i == j) diagonal += value;
       }
@@ -83,10 +71,10 @@ Matrix equations(const SkinSamples& samples, const SamplePlaces& places, const C
   return matrix;
 }
 
-// The samples that follow each joint.
+// The samples that follow each joint, and their weights.
 struct Follower {
   std::uint32_t sample;
-  const SkinSamples::Weighted* weighted;
+  double weight;
 };
 
 std::vector<std::vector<Follower>> followersOf(const SkinSamples& samples, const SamplePlaces& places,
@@ -94,23 +82,17 @@ std::vector<std::vector<Follower>> followersOf(const SkinSamples& samples, const
   std::vector<std::vector<Follower>> followers(joints);
   for (std::uint32_t s = 0; s < samples.size(); ++s) {
     if (!places[s]) continue;
-    for (const SkinSamples::Weighted& w : samples.weights(s)) followers[w.joint].push_back({s, &w});
+    for (const SkinSamples::Weighted& w : samples.weights(s)) followers[w.joint].push_back({s, w.weight});
   }
   return followers;
 }
 
-Eigen::VectorXd rightSide(const SkinSamples& samples, const SamplePlaces& places, const Cage& cage,
+Eigen::VectorXd rightSide(const SkinSamples& samples, const SamplePlaces& places, std::uint32_t nodes,
                           const std::vector<Follower>& followers) {
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(cage.nodes());
-  for (const auto& [s, weighted] : followers) {
-    const CagePlaces::Place& place = *places[s];
-    const glm::dvec4& x = weighted->x;
-    const glm::dvec3 moment = glm::dvec3(x) - x.w * samples.positions[s];
-    const std::array<glm::dvec3, 4> to = toNodes(place, cage, samples.positions[s]);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(nodes);
+  for (const auto& [s, weight] : followers)
     for (std::size_t i = 0; i < 4; ++i)
-      right[place.nodes[i]] +=
-          samples.areas[s] * place.weights[i] * (x.w + kMoment * glm::dot(moment, to[i]));
-  }
+      right[places[s]->nodes[i]] += samples.areas[s] * places[s]->weights[i] * weight;
   return right;
 }
 
@@ -142,7 +124,7 @@ void followNearest(const SkinSamples& samples, const SamplePlaces& places, const
     for (std::size_t s = 1; s < samples.size(); ++s)
       if (glm::distance(samples.positions[s], at) < glm::distance(samples.positions[best], at)) best = s;
     weights[n].clear();
-    for (const SkinSamples::Weighted& w : samples.weights(best)) weights[n].push_back({w.x.w, w.joint});
+    for (const SkinSamples::Weighted& w : samples.weights(best)) weights[n].push_back({w.weight, w.joint});
   }
 }
 
@@ -200,7 +182,7 @@ std::vector<Influences> weightsOfNodes(const SkinSamples& samples, const SampleP
     parallelRanges(count, 1, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t j = begin; j < end; ++j)
         if (!followers[first + j].empty())
-          solved[j] = solver.solve(rightSide(samples, places, cage, followers[first + j]));
+          solved[j] = solver.solve(rightSide(samples, places, cage.nodes(), followers[first + j]));
     });
     constexpr double kLeast = 1e-4;
     for (std::size_t j = 0; j < count; ++j)

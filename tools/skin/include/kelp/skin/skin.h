@@ -13,8 +13,9 @@
 
 namespace kelp::bake {
 
-// How far the cage is from the skinned surface, in voxels: at 12 moments of a clip, weighted by area, at
-// points that the weights were not chosen for.
+// How far the cage is from linear blend skinning, in voxels: at 12 moments of a clip, weighted by area, at
+// points of the surface that the weights were not chosen for. A point has the weights that are interpolated
+// between its triangle's corners; long triangles, drawn flat, cut off the bends that this makes.
 struct SkinDistances {
   double mean = 0, p95 = 0, max = 0;
 };
