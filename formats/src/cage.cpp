@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include <glm/common.hpp>
+
 #include "cage_maker.h"
 
 namespace kelp {
@@ -35,8 +37,8 @@ Result<Cage> makeCage(const CageSource& source, const glm::ivec3& size, int leve
 }
 
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) {
-  const std::uint32_t word = cage.follows[node], at = cage.followed(node);
-  if (!(word & kFollowsAll)) return {1, {finer.node(at, static_cast<int>(word & 7))}, {1}};
+  const std::uint32_t word = cage.follows[node], at = word & ~kFollowsAll;
+  if (!(word & kFollowsAll)) return {1, {at}, {1}};
   // In sides of the finer cell.
   const glm::ivec3 f = cage.rest(node) / finer.side - finer.place(at);
   CageFollow follow;
@@ -47,6 +49,13 @@ CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer) 
     follow.weights[i] = 0.125f + (i & 1 ? towards.x : -towards.x) + (i & 2 ? towards.y : -towards.y) +
                         (i & 4 ? towards.z : -towards.z);
   return follow;
+}
+
+std::uint32_t cageInfluencer(const Cage& cage, std::uint32_t node, const Cage& finer) {
+  const std::uint32_t word = cage.follows[node], at = word & ~kFollowsAll;
+  if (!(word & kFollowsAll)) return at;
+  const glm::ivec3 f = glm::clamp(cage.rest(node) / finer.side - finer.place(at), 0, 1);
+  return finer.node(at, f.x | f.y << 1 | f.z << 2);
 }
 
 }  // namespace kelp

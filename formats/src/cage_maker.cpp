@@ -314,8 +314,7 @@ Result<void> CageMaker::follow(const Cage& finer, std::span<const std::uint32_t>
     const glm::ivec3 point(places[i] & 1023, places[i] >> 10 & 1023, places[i] >> 20);
     const glm::ivec3 f = ratio * point - finer.place(follows[i]);
     const bool at_corner = ((f.x | f.y | f.z) & ~1) == 0;
-    follows[i] = at_corner ? follows[i] << 3 | static_cast<std::uint32_t>(f.x | f.y << 1 | f.z << 2)
-                           : kFollowsAll | follows[i];
+    follows[i] = at_corner ? finer.node(follows[i], f.x | f.y << 1 | f.z << 2) : kFollowsAll | follows[i];
   }
   return {};
 }

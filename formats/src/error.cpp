@@ -52,6 +52,8 @@ const char* toString(Error::Unit unit) {
       return "instance";
     case Error::Unit::kNode:
       return "node";
+    case Error::Unit::kJoint:
+      return "joint";
   }
   return "place";
 }

@@ -120,6 +120,7 @@ inline constexpr std::size_t kClipHeader = 20, kClipRecord = 16, kWaveRecord = 3
 inline constexpr std::size_t kSockHeader = 8, kSockRecord = 36;
 inline constexpr std::size_t kJntsHeader = 12, kJntsRecord = 60;
 inline constexpr std::size_t kCageTable = 4, kCageRecord = 20, kCageCounts = 5;
+inline constexpr std::uint8_t kInfluenced = 16;  // the nodes of a part's cages follow parts
 
 // Distances: the header of DGRD; a brick in a page of DIST: its bits, then its corrections.
 inline constexpr std::size_t kDgrdHeader = 8;

@@ -41,7 +41,8 @@ struct Metadata {
         joint_parts(allocator),
         joints(allocator),
         cages(allocator),
-        cage_words(allocator) {}
+        cage_words(allocator),
+        influences(allocator) {}
 
   // Subtracts the bytes of a table from the room that is left. False if the limits do not allow it. Counts
   // have 32 bits, so the product does not overflow.
@@ -71,8 +72,9 @@ struct Metadata {
   Buffer<char> joint_names;
   Buffer<std::uint32_t> joint_parts;
   Buffer<Joint> joints;  // names point into joint_names, parts into joint_parts
-  Buffer<Cage> cages;    // parts point here; spans point into cage_words
+  Buffer<Cage> cages;    // parts point here; spans point into the next two tables
   Buffer<std::uint32_t> cage_words;
+  Buffer<Influences> influences;
 };
 
 Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out);

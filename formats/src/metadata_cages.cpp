@@ -43,6 +43,9 @@ struct CagePlan {
   std::uint32_t nodes = 0, faces = 0, split_points = 0, splits = 0, followed = 0;
   std::size_t at = 0;  // its counts in the chunk, their lowest bytes
   std::uint64_t words = 0, leaf_slots = 0;
+  std::size_t part = 0;
+  bool influenced = false;  // its nodes follow parts
+  std::span<Influences> influences;
 
   bool isFinest() const { return shape.level == 0; }
   std::uint32_t followers() const { return isFinest() ? 0 : nodes; }
@@ -58,14 +61,14 @@ struct CageTable {
   Error inRecord(const Error& error, const CagePlan& plan) const {
     return {error.code, error.detail, plan.at};
   }
-  int cellOf(std::size_t part) const {
-    const auto log = layout::load<std::uint8_t>(chunk, layout::kCageTable + part);
-    return log == 0 ? 0 : 1 << log;
+  std::uint8_t kindOf(std::size_t part) const {
+    return layout::load<std::uint8_t>(chunk, layout::kCageTable + part);
   }
 
   Result<void> countCages();
   Result<void> readRecords();
   Result<void> measure();
+  Result<void> readInfluences();
   Result<void> make();
 };
 
@@ -76,9 +79,10 @@ Result<void> CageTable::countCages() {
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < parts; ++i) {
     const std::size_t at = layout::kCageTable + i;
-    const auto log = layout::load<std::uint8_t>(chunk, at);
-    if (log > 4) return corrupt("the cells of a part's cage do not have a side of 2, 4, 8 or 16", at);
-    if (log == 0) continue;
+    const unsigned kind = kindOf(i), log = kind & ~unsigned{layout::kInfluenced};
+    if (kind == 0) continue;
+    if (log < 1 || log > 4)
+      return corrupt("the cells of a part's cage do not have a side of 2, 4, 8 or 16", at);
     if (out.parts[i].kind != PartKind::kSolid) return corrupt("a part that is not solid has a cage", at);
     count += static_cast<std::uint64_t>(out.parts[i].levels);
   }
@@ -98,7 +102,8 @@ Result<void> CageTable::readRecords() {
   std::size_t next = 0;
   for (std::size_t i = 0; i < out.parts.size(); ++i) {
     Part& part = out.parts[i];
-    const int cell = cellOf(i), count = cell ? part.levels : 0;
+    const unsigned kind = kindOf(i);
+    const int cell = 1 << (kind & ~unsigned{layout::kInfluenced}), count = kind ? part.levels : 0;
     part.cages = out.cages.span().subspan(next, static_cast<std::size_t>(count));
     for (int level = 0; level < count; ++level) {
       const std::uint32_t* const its = &counts[layout::kCageCounts * next];
@@ -112,6 +117,8 @@ Result<void> CageTable::readRecords() {
       plan.split_points = its[2];
       plan.splits = its[3];
       plan.followed = its[4];
+      plan.part = i;
+      plan.influenced = kind & layout::kInfluenced;
     }
   }
   return {};
@@ -148,7 +155,7 @@ Result<void> CageTable::measure() {
     if (!arrays.has(blocks)) return too_short;
     plan.source.blocks = arrays.bytes(blocks);
   }
-  std::uint64_t words = 0, transient = 0, points = 0, followed = 0;
+  std::uint64_t words = 0, transient = 0, points = 0, followed = 0, influenced = 0;
   for (CagePlan& plan : plans) {
     CageMaker maker(plan.source, plan.shape, out.allocator);
     if (const Result<void> r = maker.count(); !r) return inRecord(r.error(), plan);
@@ -160,14 +167,17 @@ Result<void> CageTable::measure() {
     plan.words = maker.wordsFor(plan.faces);
     plan.leaf_slots = maker.leafSlots();
     words += plan.words + plan.nodes + plan.followers() + plan.leaf_slots;
+    if (plan.influenced) influenced += plan.nodes;
     transient = std::max(transient, maker.transientBytes());
     points += plan.split_points;
     followed += plan.followed;
   }
   const std::uint64_t numbers_bytes = (points + followed) * sizeof(std::uint32_t);
   if (!arrays.has(numbers_bytes)) return too_short;
-  if (!out.takeRoom(words, sizeof(std::uint32_t)) || transient + numbers_bytes > out.room) return tooLarge();
-  if (!out.cage_words.reset(words) || !numbers.reset(points + followed))
+  if (!out.takeRoom(words, sizeof(std::uint32_t)) || !out.takeRoom(influenced, sizeof(Influences)) ||
+      transient + numbers_bytes > out.room)
+    return tooLarge();
+  if (!out.cage_words.reset(words) || !numbers.reset(points + followed) || !out.influences.reset(influenced))
     return outOfMemory("no memory for the cages");
   std::span<std::uint32_t> cells = numbers.span(), split_points = take(cells, points);
   arrays.numbers(split_points);
@@ -177,7 +187,7 @@ Result<void> CageTable::measure() {
   }
   if (!arrays.has(cells.size_bytes())) return too_short;
   arrays.numbers(cells);
-  if (!arrays.done()) return too_short;
+  std::span<Influences> influences = out.influences.span();
   for (CagePlan& plan : plans) {
     const std::span<std::uint32_t> points = take(split_points, plan.split_points),
                                    followed_cells = take(cells, plan.followed);
@@ -185,6 +195,49 @@ Result<void> CageTable::measure() {
     sumCells(followed_cells);
     plan.source.split_points = points;
     plan.source.follows = followed_cells;
+    if (plan.influenced) plan.influences = take(influences, plan.nodes);
+  }
+  return readInfluences();
+}
+
+// Of finest cages; those of coarser ones follow from them, when these are made.
+Result<void> CageTable::readInfluences() {
+  const Error too_short = corrupt("the cage table's size does not match its counts", 0);
+  std::uint64_t nodes = 0, total = 0;
+  for (const CagePlan& plan : plans)
+    if (plan.isFinest()) nodes += plan.influences.size();
+  if (!arrays.has(nodes)) return too_short;
+  const std::span<const std::uint8_t> counts = arrays.bytes(static_cast<std::size_t>(nodes));
+  for (const std::uint8_t count : counts) {
+    if (count < 1 || count > 4) return corrupt("a node of a cage follows no part, or more than four", 0);
+    total += count;
+  }
+  if (!arrays.has(5 * total - nodes)) return too_short;
+  if (total * sizeof(std::uint32_t) > out.room) return tooLarge();
+  Buffer<std::uint32_t> parts(out.allocator);
+  if (!parts.reset(total)) return outOfMemory("no memory for the cages");
+  arrays.numbers(parts.span());
+  const std::span<const std::uint8_t> weights = arrays.bytes(static_cast<std::size_t>(total - nodes));
+  if (!arrays.done()) return too_short;
+  std::size_t node = 0, part = 0, weight = 0;
+  for (const CagePlan& plan : plans) {
+    if (!plan.isFinest()) continue;
+    for (Influences& its : plan.influences) {
+      const std::size_t last = counts[node++] - std::size_t{1};
+      std::uint32_t left = 255;
+      for (std::size_t i = 0; i <= last; ++i) {
+        const std::uint32_t of = parts[part++], share = i < last ? weights[weight++] : left;
+        if (of >= std::min<std::size_t>(out.parts.size(), 65536) || of == plan.part)
+          return corrupt("a node of a cage follows its own part, or one that does not exist", plan.at);
+        if (i > 0 && of <= its.parts[i - 1])
+          return corrupt("the parts that a node of a cage follows do not ascend", plan.at);
+        if (share == 0 || share > left)
+          return corrupt("the weights of a cage's node do not sum to 255", plan.at);
+        its.parts[i] = static_cast<std::uint16_t>(of);
+        its.weights[i] = static_cast<std::uint8_t>(share);
+        left -= share;
+      }
+    }
   }
   return {};
 }
@@ -207,6 +260,10 @@ Result<void> CageTable::make() {
         maker.write(words, places, follows, plan.isFinest() ? nullptr : &out.cages[i - 1], slots);
     if (!cage) return inRecord(cage.error(), plan);
     out.cages[i] = *cage;
+    out.cages[i].influences = plan.influences;
+    if (plan.isFinest()) continue;
+    for (std::uint32_t node = 0; node < plan.influences.size(); ++node)
+      plan.influences[node] = out.cages[i - 1].influences[cageInfluencer(*cage, node, out.cages[i - 1])];
   }
   return {};
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "metadata_writer.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <string_view>
 #include <vector>
 
@@ -63,12 +65,46 @@ Result<void> countCages(const RawPart& part, const Put& put) {
                                        std::numeric_limits<std::uint64_t>::max(), i & 1 ? odd : even);
     if (!cage) return cage.error().code == ErrorCode::kOutOfMemory ? kNoMemory : misuse(cage.error().detail);
     cages[i & 1] = *cage;
+    if (i == 0 && !part.influences.empty() && part.influences.size() != cage->nodes())
+      return misuse("a part does not have influences for each node of its finest cage");
     put(cage->nodes());
     put(cage->faces());
     for (const std::size_t count : {raw.split_points.size(), raw.splits.size(), raw.follows.size()})
       put(static_cast<std::uint32_t>(count));
   }
   return {};
+}
+
+std::size_t influenceCount(const Influences& node) {
+  return static_cast<std::size_t>(std::find(node.weights, node.weights + 4, 0) - node.weights);
+}
+
+// Adds those of a part to `count`. The rest of the rules is checked when the table is read.
+Result<void> countInfluences(const RawPart& part, std::size_t& count) {
+  for (const Influences& node : part.influences) {
+    const unsigned sum = std::accumulate(node.weights, node.weights + influenceCount(node), 0u);
+    if (sum != 255)
+      return misuse("the weights of a cage's node do not sum to 255, or a weight of 0 is not the last");
+    count += influenceCount(node);
+  }
+  return {};
+}
+
+// Puts the influences of all parts.
+void putInfluences(const RawPack& pack, std::size_t count, RecordWriter& to) {
+  const auto forEach = [&](const auto& visit) {
+    for (const RawPart& part : pack.parts)
+      for (const Influences& node : part.influences) visit(node, influenceCount(node));
+  };
+  forEach([&](const Influences&, std::size_t own) { to.put(static_cast<std::uint8_t>(own)); });
+  to.planes(count, [&](const auto& put) {
+    forEach([&](const Influences& node, std::size_t own) {
+      for (std::size_t i = 0; i < own; ++i) put(node.parts[i]);
+    });
+  });
+  forEach([&](const Influences& node, std::size_t own) {
+    for (std::size_t i = 0; i + 1 < own; ++i) to.put(node.weights[i]);
+  });
 }
 
 }  // namespace
@@ -264,10 +300,12 @@ bool buildJoints(const RawPack& pack, Buffer<std::byte>& out) {
 }
 
 Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
-  std::size_t cages = 0, points = 0, follows = 0;
+  std::size_t cages = 0, points = 0, follows = 0, influences = 0;
   std::uint64_t bytes = layout::kCageTable + pack.parts.size();
   for (const RawPart& part : pack.parts) {
+    if (part.cages.empty() && !part.influences.empty()) return misuse("a part without a cage has influences");
     if (part.cages.empty()) continue;
+    if (const Result<void> r = countInfluences(part, influences); !r) return r;
     if (part.cell != 2 && part.cell != 4 && part.cell != 8 && part.cell != 16)
       return misuse("the cells of a part's cage do not have a side of 2, 4, 8 or 16");
     if (part.cages.size() != part.levels.size())
@@ -279,14 +317,16 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
       bytes += cage.blocks.size() + cage.masks.size() + cage.splits.size();
     }
   }
-  bytes += layout::kCageRecord * cages + sizeof(std::uint32_t) * (points + follows);
+  bytes += layout::kCageRecord * cages + sizeof(std::uint32_t) * (points + follows) + 5 * influences;
   if (bytes > std::numeric_limits<std::uint32_t>::max()) return misuse("the cages take more than 4 GiB");
   if (!out.reset(bytes)) return kNoMemory;
   RecordWriter to(out);
   to.count(pack.parts.size());
   for (const RawPart& part : pack.parts)
-    to.put(static_cast<std::uint8_t>(
-        part.cages.empty() ? 0 : std::countr_zero(static_cast<unsigned>(part.cell))));
+    to.put(static_cast<std::uint8_t>(part.cages.empty()
+                                         ? 0
+                                         : std::countr_zero(static_cast<unsigned>(part.cell)) |
+                                               (part.influences.empty() ? 0 : layout::kInfluenced)));
   Result<void> counted;
   to.planes(layout::kCageCounts * cages, [&](const auto& put) {
     for (const RawPart& part : pack.parts)
@@ -318,6 +358,7 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
       }
     });
   });
+  putInfluences(pack, influences, to);
   return {};
 }
 

@@ -146,6 +146,7 @@ class RigWriter {
       part.levels.resize(static_cast<std::size_t>(parsed_.parts[i].levels));
       part.cell = (*rigs_.cages)[i].cell;
       part.cages = (*rigs_.cages)[i].cages;
+      part.influences = (*rigs_.cages)[i].influences;
       has_new_cages_ = has_new_cages_ || !part.cages.empty();
     }
     if (!has_new_cages_) return {};

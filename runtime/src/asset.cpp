@@ -379,7 +379,7 @@ Result<const Pose*> RestPose::of(const Asset& asset) {
   if (impl.rest_bytes.load(std::memory_order_acquire) == 0) {
     const std::lock_guard lock(impl.rest_mutex);
     if (impl.rest_bytes.load(std::memory_order_relaxed) == 0) {
-      Result<Pose> rest = PoseWriter::create(impl.pack.parts(), impl.options.allocator);
+      Result<Pose> rest = PoseWriter::create(impl.pack.parts(), false, impl.options.allocator);
       if (!rest) return rest.error();
       impl.rest = *std::move(rest);
       impl.rest_bytes.store(PoseWriter::bytes(impl.rest), std::memory_order_release);

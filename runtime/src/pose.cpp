@@ -9,6 +9,7 @@
 #include "cages/pose_nodes.h"
 #include "kelp/formats/sweep.h"
 #include "pose_writer.h"
+#include "posed_part.h"
 
 namespace kelp::runtime {
 
@@ -21,10 +22,10 @@ constexpr Error kNotAlike{ErrorCode::kMisuse, "the poses differ in parts, knots 
 }  // namespace
 
 Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
-  return create(asset.pack().parts(), allocator);
+  return create(asset.pack().parts(), !asset.pack().joints().empty(), allocator);
 }
 
-Result<Pose> Pose::create(std::span<const Part> parts, const Allocator& allocator) {
+Result<Pose> Pose::create(std::span<const Part> parts, bool joints, const Allocator& allocator) {
   std::size_t total = 0;
   for (const Part& part : parts) total += part.knots.size();
   Pose pose;
@@ -47,7 +48,7 @@ Result<Pose> Pose::create(std::span<const Part> parts, const Allocator& allocato
     pose.shapes()[i] = {parts[i].size, parts[i].bend, parts[i].roll};
   }
   pose.firstKnots()[parts.size()] = n;
-  if (const Result<void> made = PoseCages::create(parts, allocator, pose); !made) return made.error();
+  if (const Result<void> made = PoseCages::create(parts, joints, allocator, pose); !made) return made.error();
   pose.reset();
   return pose;
 }
@@ -109,6 +110,24 @@ bool Pose::sameShape(const Pose& other) const {
          PoseCages::alike(*this, other);
 }
 
+Result<void> Pose::setJoints(const Asset& asset, std::span<const glm::mat4x3> matrices) {
+  const std::span<const Joint> joints = asset.pack().joints();
+  if (!fits(asset) || (!joints.empty() && (!cages() || cages()->rest.empty())))
+    return Error{ErrorCode::kMisuse, "the pose is of another asset"};
+  if (matrices.size() != joints.size())
+    return Error{ErrorCode::kMisuse, "there is not one matrix for each joint of the asset"};
+  for (std::size_t i = 0; i < matrices.size(); ++i)
+    for (int column = 0; column < 4; ++column)
+      if (!allFinite(matrices[i][column]))
+        return Error{ErrorCode::kMisuse, "the matrix of a joint has a number that is not finite", i,
+                     Error::Unit::kJoint};
+  for (std::size_t i = 0; i < matrices.size(); ++i)
+    for (const std::uint32_t part : joints[i].parts)
+      PoseCages::drive(*this, static_cast<int>(part), affine(matrices[i]));
+  if (!joints.empty()) PoseCages::forgetMotions(*this);
+  return {};
+}
+
 void Pose::reset() {
   if (parts_ == 0) return;
   // memmove is slower for some hundred bytes, in thousands of poses a frame. The last step overlaps the one
@@ -138,10 +157,15 @@ Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> pa
   if (!isWeight(weight) || !std::all_of(part_weights.begin(), part_weights.end(), isWeight)) {
     return Error{ErrorCode::kMisuse, "a weight is outside 0 to 1"};
   }
+  const auto weightOf = [&](int part) {
+    return part_weights.empty() ? weight : weight * part_weights[static_cast<std::size_t>(part)];
+  };
+  for (int part = 0; part < parts() && !cages_.empty(); ++part)
+    if (weightOf(part) > 0.0f) PoseCages::blend(to, part, weightOf(part), *this);
+  if (!cages_.empty()) PoseCages::blendDriven(to, weight, part_weights, *this);
   for (int part = 0; part < parts(); ++part) {
-    const float w = part_weights.empty() ? weight : weight * part_weights[static_cast<std::size_t>(part)];
+    const float w = weightOf(part);
     if (w == 0.0f) continue;
-    if (!cages_.empty()) PoseCages::blend(to, part, w, *this);
     moved(part);
     const std::span<Knot> mine = writableKnots(part);
     const std::span<const Knot> theirs = to.knots(part);
@@ -161,8 +185,8 @@ Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> pa
 
 Result<void> Pose::checkPart(int part) const {
   if (const NodesInPose* const nodes = PoseCages::of(*this, part)) {
-    if (nodes->written) return PoseCages::check(*this, part);
-    if (nodes->cages[0].placed.isMade(PoseCages::rollOf(*this, part))) return {};
+    if (nodes->written || nodes->followsParts()) return PoseCages::check(*this, part);
+    if (nodes->cages[0].placed.isMade(PoseCages::placedFor(*this, part))) return {};
   }
   const Shape& shape = const_cast<Pose*>(this)->shapes()[part];
   return checkRig(shape.bend, knots(part), shape.size, shape.roll + motion(part)->roll);
@@ -181,7 +205,8 @@ Result<void> Pose::check() const {
 void Pose::clamp() {
   for (int part = 0; part < parts(); ++part) {
     if (knots(part).empty() || checkPart(part)) continue;
-    if (const NodesInPose* const nodes = PoseCages::of(*this, part); nodes && nodes->written) {
+    const NodesInPose* const nodes = PoseCages::of(*this, part);
+    if (nodes && (nodes->written || nodes->followsParts())) {
       PoseCages::clamp(*this, part);
     } else if (shapes()[part].bend == Bend::kSweep) {
       clampSweep(part);

@@ -17,8 +17,8 @@ struct PoseWriter {
     return {pose.knotData(), pose.knots_};
   }
   static std::uint64_t bytes(const Pose& pose) { return pose.memory_.size() + pose.cages_.size(); }
-  static Result<Pose> create(std::span<const Part> parts, const Allocator& allocator) {
-    return Pose::create(parts, allocator);
+  static Result<Pose> create(std::span<const Part> parts, bool joints, const Allocator& allocator) {
+    return Pose::create(parts, joints, allocator);
   }
 };
 

@@ -52,6 +52,7 @@ struct PosedPart {
   }
 };
 PosedPart posedPart(const Instance& instance, int part);
+PosedPart posedPart(const Part& part, const Pose& pose, int index);
 // A box that contains the deformed part, part space. Empty for a swept part that cannot be drawn.
 Box boundsOf(const PosedPart& posed);
 // Part space at rest -> part space, deformed. Of a swept part that cannot be drawn: as at rest.

@@ -42,9 +42,31 @@ inline std::size_t cageSplits(const Bytes& chunk) { return cageSplitPoints(chunk
 inline std::size_t cageFollowed(const Bytes& chunk) {
   return countOfCage(chunk, 1, 4) + countOfCage(chunk, 2, 4);
 }
+inline std::size_t cageSplitNumbers(const Bytes& chunk) {
+  std::size_t numbers = 0;
+  for (std::size_t i = 0; i < 4; ++i) numbers += countOfCage(chunk, i, 3);
+  return numbers;
+}
+// The influences of the block: a number for each node, and then their parts and weights.
+inline std::size_t cageInfluences(const Bytes& chunk) {
+  return cageSplits(chunk) + cageSplitNumbers(chunk) + 4 * cageFollowed(chunk);
+}
+inline std::size_t influencers(const Bytes& chunk) {
+  std::size_t count = 0;
+  for (std::size_t node = 0; node < countOfCage(chunk, 3, 0); ++node)
+    count += get<std::uint8_t>(chunk, cageInfluences(chunk) + node);
+  return count;
+}
+inline std::size_t influencingParts(const Bytes& chunk) {
+  return cageInfluences(chunk) + countOfCage(chunk, 3, 0);
+}
+inline void spoilWeights(Bytes& chunk, std::uint8_t weight) {
+  for (std::size_t at = influencingParts(chunk) + 4 * influencers(chunk); at < chunk.size(); ++at)
+    set(chunk, at, weight);
+}
 // One more, or one less.
 inline void changeFollowed(Bytes& chunk, bool more) {
-  const std::size_t count = cageFollowed(chunk), first = chunk.size() - 4 * count;
+  const std::size_t count = cageFollowed(chunk), first = cageInfluences(chunk) - 4 * count;
   for (std::size_t plane = 4; plane-- > 0;) {
     const auto end = chunk.begin() + static_cast<std::ptrdiff_t>(first + (plane + 1) * count);
     if (more)
@@ -65,6 +87,31 @@ inline constexpr Lie kCageLies[] = {
        const PackSurgeon::Chunk again = s.chunks[s.find("CAGE")];
        s.chunks.insert(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("CAGE")), again);
      }},
+    {"follows no part", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), cageInfluences(s.content("CAGE")), std::uint8_t{0}); }},
+    {"follows five parts", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), cageInfluences(s.content("CAGE")), std::uint8_t{5}); }},
+    {"a part too many", kCorrupt,
+     [](PackSurgeon& s) {
+       Bytes& chunk = s.content("CAGE");
+       const std::size_t at = cageInfluences(chunk);
+       set(chunk, at, static_cast<std::uint8_t>(get<std::uint8_t>(chunk, at) % 4 + 1));
+     }},
+    {"follows itself", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), influencingParts(s.content("CAGE")), std::uint8_t{3}); }},
+    {"follows part 2^24", kCorrupt,
+     [](PackSurgeon& s) {
+       Bytes& chunk = s.content("CAGE");
+       set(chunk, influencingParts(chunk) + 3 * influencers(chunk), std::uint8_t{1});
+     }},
+    {"all weights 0", kCorrupt, [](PackSurgeon& s) { spoilWeights(s.content("CAGE"), 0); }},
+    {"all weights 255", kCorrupt, [](PackSurgeon& s) { spoilWeights(s.content("CAGE"), 255); }},
+    {"no influences", kCorrupt,
+     [](PackSurgeon& s) { s.content("CAGE").resize(cageInfluences(s.content("CAGE"))); }},
+    {"influences without a word", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), 7, std::uint8_t{1}); }},
+    {"influences of another part", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CAGE"), 6, std::uint16_t{0x0112}); }},
     {"too short", kCorrupt, [](PackSurgeon& s) { s.content("CAGE").resize(7); }},
     {"records alone", kCorrupt, [](PackSurgeon& s) { s.content("CAGE").resize(kCageBlocks); }},
     {"half a record", kCorrupt, [](PackSurgeon& s) { s.content("CAGE").resize(kCageBlocks - 8); }},
@@ -143,11 +190,13 @@ inline constexpr Lie kCageLies[] = {
          set(chunk, cageSplits(chunk) + i, std::uint8_t{0});
      }},
     {"follows no cell", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("CAGE"), s.content("CAGE").size() - 1, std::uint8_t{127}); }},
+     [](PackSurgeon& s) {
+       set(s.content("CAGE"), cageInfluences(s.content("CAGE")) - 1, std::uint8_t{127});
+     }},
     {"follows a cell before the first", kCorrupt,
      [](PackSurgeon& s) {
        Bytes& chunk = s.content("CAGE");
-       set(chunk, chunk.size() - 4 * cageFollowed(chunk), std::uint8_t{1});
+       set(chunk, cageInfluences(chunk) - 4 * cageFollowed(chunk), std::uint8_t{1});
      }},
 };
 

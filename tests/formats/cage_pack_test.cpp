@@ -32,6 +32,9 @@ RawPack makeRandomCagePack(std::uint32_t seed) {
     pack.parts.push_back(
         test::makeCagedPart(size, 1 + static_cast<int>(random() % 4), 2 << random() % 4, solid));
   }
+  for (int i = 0; i < 4; ++i) pack.parts.push_back(pack.parts[1]);  // more to follow
+  for (std::size_t i = 2; i < 4; ++i)
+    if (random() % 3 > 0) test::addInfluences(pack.parts[i], i, pack.parts.size(), random());
   return pack;
 }
 
@@ -78,6 +81,33 @@ TEST(CagePack, TheWriterRefusesWrongOnes) {
   EXPECT_TRUE(refuses([](RawPart& part) { part.cages[1].follows.pop_back(); }));
   EXPECT_TRUE(refuses([](RawPart& part) { part.cages[0].follows.push_back(0); }));
   EXPECT_TRUE(refuses([](RawPart& part) { part.levels.clear(); }));
+}
+
+TEST(CagePack, TheWriterRefusesWrongInfluences) {
+  const RawPack sound = test::makeTinyCagePack();
+  const auto refuses = [&](auto spoil) {
+    RawPack pack = sound;
+    spoil(pack.parts[3]);
+    std::vector<std::byte> bytes;
+    const Result<void> written = writePack(pack, Sink::into(bytes));
+    EXPECT_EQ(bytes.empty(), !written);
+    return !written && written.error().code == ErrorCode::kMisuse;
+  };
+  const auto with = [](const Influences& node) {
+    return [node](RawPart& part) { part.influences[7] = node; };
+  };
+  EXPECT_FALSE(refuses(with({{0, 1, 2}, {1, 1, 253}})));
+  EXPECT_FALSE(refuses(with({{2}, {255}})));
+  EXPECT_TRUE(refuses(with({{}, {}})));
+  EXPECT_TRUE(refuses(with({{0, 1}, {127, 127}})));
+  EXPECT_TRUE(refuses(with({{0, 1}, {128, 128}})));
+  EXPECT_TRUE(refuses(with({{0, 1, 2}, {100, 0, 155}})));
+  EXPECT_TRUE(refuses(with({{1, 0}, {100, 155}})));
+  EXPECT_TRUE(refuses(with({{1, 1}, {100, 155}})));
+  EXPECT_TRUE(refuses(with({{3}, {255}})));  // itself
+  EXPECT_TRUE(refuses(with({{4}, {255}})));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.influences.pop_back(); }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.cages.clear(); }));
 }
 
 // The limits on metadata bound cages too, and what making them takes.
@@ -135,7 +165,7 @@ TEST(CagePack, OtherRigsLeaveItAsItIs) {
 TEST(CagePack, OtherCagesReplaceIt) {
   const RawPack caged = test::makeTinyCagePack();
   RawPack plain = caged;
-  for (RawPart& part : plain.parts) part.cell = 0, part.cages.clear();
+  for (RawPart& part : plain.parts) part.cell = 0, part.cages.clear(), part.influences.clear();
   for (const bool joints : {false, true}) {
     const auto bytesOf = [joints](RawPack pack) {
       if (joints) pack.joints = {{"hip", -1, glm::mat4x3(1), {0}}};
@@ -146,7 +176,7 @@ TEST(CagePack, OtherCagesReplaceIt) {
       RawRigs rigs{caged.info_json, {}, caged.clips, caged.sockets, std::vector<RawCages>()};
       for (const RawPart& part : caged.parts) {
         rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at, part.bend, part.roll});
-        rigs.cages->push_back(to_caged ? RawCages{part.cell, part.cages} : RawCages{});
+        rigs.cages->push_back(to_caged ? RawCages{part.cell, part.cages, part.influences} : RawCages{});
       }
       MemorySource source(from);
       std::vector<std::byte> to;

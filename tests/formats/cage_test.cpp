@@ -157,7 +157,8 @@ void expectCages(const glm::ivec3& size, int levels, int cell, const IsSolid& so
     ASSERT_TRUE(cage) << cage.error().detail;
     made[at].cage = *cage;
     expectCage(naive[at], *cage);
-    EXPECT_EQ(test::followedCells(*cage), naive[at].follows);
+    EXPECT_EQ(test::followWords(*cage),
+              test::followWords(naive[at].follows, *cage, i > 0 ? made[at - 1].cage : *cage));
     for (std::uint32_t node = 0; i > 0 && node < cage->nodes(); ++node) {
       const Cage& finer = made[at - 1].cage;
       const CageFollow follow = cageFollows(*cage, node, finer);
@@ -335,7 +336,8 @@ TEST(Cage, NodesFollowTheNearestCellAround) {
       makeCage(coarse.source(), {16, 8, 8}, 2, 4, 1, &finer.cage, kAnyMemory, coarser.memory);
   ASSERT_TRUE(cage) << cage.error().detail;
   // Points by x, then y, then z. The ties go to cell 0.
-  EXPECT_EQ(test::followedCells(*cage), (std::vector<std::uint32_t>{0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 1}));
+  EXPECT_EQ(test::followWords(*cage),
+            test::followWords({0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 1}, *cage, finer.cage));
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ class Cage:
         self.cubes = self.grid[0] * self.grid[1] * self.grid[2]
         self.voxels = side >> level  # along an edge of a mask
         self.follows = ()
+        self.influences = []  # of each node: part, weight, part, weight, ...
 
     def block(self, place):
         """Of a cube; None beyond the lattice."""
@@ -152,6 +153,13 @@ class Cage:
                 must(self.follows[-1] >= 0, "a followed cell")
         must(not named, "too many followed cells")
         must(max(self.follows) < len(finer.cells), "a followed cell")
+        for node, (cell, place) in enumerate(zip(self.follows, self.places)):
+            off = [p // finer.side - low for p, low in zip(place, finer.cells[cell][0])]
+            corner = sum(min(max(o, 0), 1) << axis for axis, o in enumerate(off))
+            at = finer.corner_nodes[cell][corner]
+            self.follows[node] = at if set(off) <= {0, 1} else 1 << 31 | cell
+            if finer.influences:
+                self.influences.append(finer.influences[at])
 
     @staticmethod
     def quad(nodes, face):

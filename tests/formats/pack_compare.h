@@ -11,6 +11,7 @@
 
 #include "kelp/formats/level.h"
 #include "kelp/formats/raw_level.h"
+#include "support/naive_cages.h"
 #include "support/without_boxes.h"
 
 namespace kelp::test {
@@ -62,8 +63,11 @@ inline bool isCage(const Part& part, std::size_t i, const RawPart& raw) {
   const Result<Cage> want =
       makeCage(raw.cages[i].source(), raw.size, static_cast<int>(raw.levels.size()), raw.cell,
                static_cast<int>(i), i > 0 ? &part.cages[i - 1] : nullptr, ~std::uint64_t{0}, memory);
-  return want && cage.side == want->side && cage.level == want->level &&
-         cage.last_level == want->last_level && cage.grid == want->grid &&
+  std::vector<Influences> influences = raw.influences;
+  for (std::size_t level = 1; level <= i; ++level)
+    influences = coarserInfluences(part.cages[level], part.cages[level - 1], influences);
+  return want && std::ranges::equal(cage.influences, influences) && cage.side == want->side &&
+         cage.level == want->level && cage.last_level == want->last_level && cage.grid == want->grid &&
          bytesOf(cage.words) == bytesOf(want->words) && bytesOf(cage.places) == bytesOf(want->places) &&
          bytesOf(cage.follows) == bytesOf(want->follows);
 }

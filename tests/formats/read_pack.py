@@ -343,10 +343,10 @@ class Pack:
 
     def read_cages(self, table):
         need(table.one("I") == len(self.parts), "cages of another number of parts")
-        logs = table.take("%dB" % len(self.parts))
-        need(any(logs) and max(logs) <= 4, "sides of cells")
+        kinds = table.take("%dB" % len(self.parts))
+        need(any(kinds) and all(k == 0 or k & ~16 in (1, 2, 3, 4) for k in kinds), "sides of cells")
         cages = []
-        for part, log in zip(self.parts, logs):
+        for part, log in zip(self.parts, [k & ~16 for k in kinds]):
             need(log == 0 or part["kind"] == 0, "a cage of a part that is not solid")
             for level in range(part["levels"] if log else 0):
                 part["cages"].append(Cage(1 << log, level, part["levels"], part["size"]))
@@ -367,6 +367,18 @@ class Pack:
         steps = iter(table.planes(sum(count[4] for count in counts)))
         back = lambda step: -(step + 1) // 2 if step % 2 else step // 2
         named = [list(itertools.accumulate(back(next(steps)) for _ in range(count[4]))) for count in counts]
+        moved = [(own, part["cages"][0]) for own, part in enumerate(self.parts) if kinds[own] & 16]
+        numbers = [table.take("%dB" % len(cage.places)) for _, cage in moved]
+        need(all(1 <= n <= 4 for n in itertools.chain(*numbers)), "parts that a node follows")
+        total = sum(map(sum, numbers))
+        parts, weights = iter(table.planes(total)), iter(table.take("%dB" % (total - sum(map(len, numbers)))))
+        for (own, cage), counts in zip(moved, numbers):
+            for n in counts:
+                its, shares = [next(parts) for _ in range(n)], [next(weights) for _ in range(n - 1)]
+                shares.append(255 - sum(shares))
+                need(all(a < b for a, b in zip(its, its[1:] + [min(len(self.parts), 65536)])), "order of parts")
+                need(own not in its and min(shares) > 0, "a node's own part, or weights")
+                cage.influences.append(list(itertools.chain(*zip(its, shares))) + [0, 0] * (4 - n))
         table.end()
         for part in self.parts:
             for finer, cage in zip([None] + part["cages"], part["cages"]):
@@ -600,11 +612,11 @@ def crc_words(words):
 
 def dump_cage(cage):
     flat = lambda lists: [value for values in lists for value in values]
-    return "cage side %d levels %d %d cells %d nodes %d faces %d crc %08x %08x %08x %08x %08x %08x %08x" % (
-            cage.side, cage.level, cage.last, len(cage.cells), len(cage.places), len(cage.faces),
-            crc_words(flat(place for place, _ in cage.cells)), crc_words(flat(cage.corner_nodes)),
-            crc_words(flat(cage.beyond)), crc_words(cage.faces), crc_words(cage.masks),
-            crc_words(flat(cage.places)), crc_words(cage.follows))
+    tables = [flat(place for place, _ in cage.cells), flat(cage.corner_nodes), flat(cage.beyond), cage.faces,
+            cage.masks, flat(cage.places), cage.follows, flat(cage.influences)]
+    return "cage side %d levels %d %d cells %d nodes %d faces %d crc " % (
+            cage.side, cage.level, cage.last, len(cage.cells), len(cage.places),
+            len(cage.faces)) + " ".join("%08x" % crc_words(table) for table in tables)
 
 
 def dump(pack):

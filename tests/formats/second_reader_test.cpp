@@ -99,7 +99,7 @@ std::vector<std::uint8_t> withoutRanks(std::vector<std::uint8_t> codes) {
 }
 
 std::string dump(const Cage& cage) {
-  std::vector<std::uint32_t> places, nodes, beyond, faces, masks, rest;
+  std::vector<std::uint32_t> places, nodes, beyond, faces, masks, rest, influences;
   for (std::uint32_t i = 0; i < cage.cells(); ++i) {
     const glm::ivec3 place = cage.place(i);
     for (int axis = 0; axis < 3; ++axis) places.push_back(static_cast<std::uint32_t>(place[axis]));
@@ -112,15 +112,18 @@ std::string dump(const Cage& cage) {
   masks.assign(after.begin(), after.end());
   for (std::uint32_t i = 0; i < cage.nodes(); ++i)
     for (int axis = 0; axis < 3; ++axis) rest.push_back(static_cast<std::uint32_t>(cage.rest(i)[axis]));
+  for (const Influences& node : cage.influences)
+    for (int k = 0; k < 4; ++k) influences.insert(influences.end(), {node.parts[k], node.weights[k]});
   return format("cage side %d levels %d %d cells %u nodes %u faces %u", cage.side, cage.level,
                 cage.last_level, cage.cells(), cage.nodes(), cage.faces()) +
          format(" crc %08x %08x %08x %08x %08x %08x", crc32(places), crc32(nodes), crc32(beyond),
                 crc32(faces), crc32(masks), crc32(rest)) +
-         format(" %08x\n", crc32(test::followedCells(cage)));
+         format(" %08x %08x\n", crc32(test::followWords(cage)), crc32(influences));
 }
 
 std::string dumpCages(const RawPart& part) {
   std::string out;
+  std::vector<Influences> influences = part.influences;
   std::vector<CageMemory> memory(part.cages.size());
   std::vector<Cage> cages;
   for (std::size_t i = 0; i < part.cages.size(); ++i) {
@@ -129,8 +132,10 @@ std::string dumpCages(const RawPart& part) {
                  static_cast<int>(i), i > 0 ? &cages.back() : nullptr, ~std::uint64_t{0}, memory[i]);
     EXPECT_TRUE(cage);
     if (!cage) return out;
+    if (i > 0) influences = test::coarserInfluences(*cage, cages.back(), influences);
     cages.push_back(*cage);
-    out += dump(*cage);
+    cages.back().influences = influences;
+    out += dump(cages.back());
   }
   return out;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A small pack with cages: a comb, whose teeth are pieces of one cube, on three levels, and a block with an
-// inside. Its bytes are checked in as golden/cage.kelp.
+// inside, whose nodes follow the other parts. Its bytes are checked in as golden/cage.kelp.
 #pragma once
 
 #include <vector>
@@ -89,6 +89,7 @@ inline RawPack makeTinyCagePack() {
   comb.bend = Bend::kSweep;
   block.name = "block";
   block.parent = 2;
+  addInfluences(block, 3, 4, 1);
   pack.parts.push_back(comb);
   pack.parts.push_back(block);
   return pack;

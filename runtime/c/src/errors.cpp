@@ -12,6 +12,7 @@ namespace {
 static_assert(KELP_ERROR_MISUSE == static_cast<int>(ErrorCode::kMisuse) &&
               KELP_ERROR_NOT_YET == static_cast<int>(ErrorCode::kNotYet));
 static_assert(KELP_UNIT_NODE == static_cast<int>(Error::Unit::kNode));
+static_assert(KELP_UNIT_JOINT == static_cast<int>(Error::Unit::kJoint));
 
 thread_local kelp_error last_error = {sizeof(kelp_error), KELP_OK, 0, KELP_UNIT_NONE, ""};
 

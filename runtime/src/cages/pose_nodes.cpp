@@ -14,6 +14,10 @@
 namespace kelp::runtime {
 namespace {
 
+constexpr Error kFollowsNowhere{
+    ErrorCode::kMisuse,
+    "a part that the nodes of a cage follow has a motion of no finite numbers, or "
+    "takes them farther away than 2^20 times the part's longest side"};
 constexpr Error kBadNode{ErrorCode::kMisuse,
                          "a node that was written is no finite number, or farther away than 2^20 times the "
                          "part's longest side",
@@ -53,18 +57,62 @@ void layCage(const Cage& from, Carver& carver, CageInPose* cage) {
   cage->leaves = leaves;
 }
 
+bool followsParts(const Part& part) { return !part.cages.empty() && !part.cages[0].influences.empty(); }
+
+// For the nodes of a part that follow parts.
+void layInfluences(const Part& from, std::size_t parts, Carver& carver, NodesInPose* nodes) {
+  auto* const influences = carver.take<Influences>(from.cages[0].nodes());
+  const std::span<Box> boxes = takeNew<Box>(carver, parts);
+  const std::span<glm::mat4> maps = takeNew<glm::mat4>(carver, parts);
+  if (!nodes) return;
+  std::copy(from.cages[0].influences.begin(), from.cages[0].influences.end(), influences);
+  nodes->influences = {influences, from.cages[0].nodes()};
+  nodes->boxes = boxes;
+  nodes->maps = maps;
+  for (const Cage& cage : from.cages)
+    for (std::uint32_t i = 0; i < cage.nodes(); ++i)
+      for (int k = 0; k < 4; ++k)
+        if (cage.influences[i].weights[k] > 0)
+          boxes[cage.influences[i].parts[k]].add(glm::vec3(cage.rest(i)));
+}
+
+// For the motions of parts.
+void layMotions(std::span<const Part> parts, Carver& carver, PoseCages* all) {
+  const std::span<Part> rest = takeNew<Part>(carver, parts.size());
+  const std::span<glm::mat4> motions = takeNew<glm::mat4>(carver, parts.size());
+  const std::span<glm::mat4> driven = takeNew<glm::mat4>(carver, parts.size());
+  const std::span<bool> is_driven = takeNew<bool>(carver, parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::span<Knot> knots = takeNew<Knot>(carver, parts[i].knots.size());
+    if (!all) continue;
+    std::copy(parts[i].knots.begin(), parts[i].knots.end(), knots.begin());
+    rest[i] = parts[i];
+    rest[i].name = {};
+    rest[i].knots = knots;
+    rest[i].fog = nullptr;
+    rest[i].cages = {};
+  }
+  if (!all) return;
+  all->rest = rest;
+  all->motions = motions;
+  all->driven = driven;
+  all->is_driven = is_driven;
+}
+
 // Returns the bytes of the block.
-std::uint64_t layAll(std::span<const Part> parts, std::byte* block) {
+std::uint64_t layAll(std::span<const Part> parts, bool motions, std::byte* block) {
   Carver carver{block};
   PoseCages* const all = takeNew<PoseCages>(carver, 1).data();
   const std::span<NodesInPose> each = takeNew<NodesInPose>(carver, parts.size());
   if (all) all->parts = each;
+  if (motions) layMotions(parts, carver, all);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const std::span<const Cage> from = parts[i].cages;
     if (from.empty()) continue;
     const std::span<CageInPose> cages = takeNew<CageInPose>(carver, from.size());
     auto* const places = carver.take<std::uint32_t>(from[0].nodes());
     for (std::size_t c = 0; c < from.size(); ++c) layCage(from[c], carver, block ? &cages[c] : nullptr);
+    if (followsParts(parts[i])) layInfluences(parts[i], parts.size(), carver, block ? &each[i] : nullptr);
     if (!block) continue;
     each[i].cages = cages;
     each[i].places = places;
@@ -140,13 +188,15 @@ Result<void> sweepSections(std::span<const Knot> knots, const glm::ivec3& size, 
 
 }  // namespace
 
-Result<void> PoseCages::create(std::span<const Part> parts, const Allocator& allocator, Pose& pose) {
+Result<void> PoseCages::create(std::span<const Part> parts, bool joints, const Allocator& allocator,
+                               Pose& pose) {
   pose.cages_ = Buffer<std::byte>(allocator);
-  if (std::none_of(parts.begin(), parts.end(), [](const Part& part) { return !part.cages.empty(); }))
-    return {};
-  if (!pose.cages_.reset(layAll(parts, nullptr)))
+  const bool caged = std::any_of(parts.begin(), parts.end(), [](const Part& p) { return !p.cages.empty(); });
+  if (!caged && !joints) return {};
+  const bool motions = joints || std::any_of(parts.begin(), parts.end(), followsParts);
+  if (!pose.cages_.reset(layAll(parts, motions, nullptr)))
     return Error{ErrorCode::kOutOfMemory, "no memory for the cages of a pose"};
-  layAll(parts, pose.cages_.data());
+  layAll(parts, motions, pose.cages_.data());
   return {};
 }
 
@@ -157,15 +207,27 @@ NodesInPose* PoseCages::of(const Pose& pose, int part) {
   return found.cages.empty() ? nullptr : &found;
 }
 
-std::uint32_t PoseCages::rollOf(const Pose& pose, int part) {
-  if (of(pose, part)->written || const_cast<Pose&>(pose).shapes()[part].bend != Bend::kSweep) return 0;
+std::uint64_t PoseCages::placedFor(const Pose& pose, int part) {
+  const NodesInPose& nodes = *of(pose, part);
+  if (nodes.followsParts()) return stateOf(pose);
+  if (nodes.written || const_cast<Pose&>(pose).shapes()[part].bend != Bend::kSweep) return 0;
   return std::bit_cast<std::uint32_t>(pose.motion(part)->roll);
+}
+
+std::uint64_t PoseCages::madeFor(const Pose& pose, int part) {
+  const NodesInPose& nodes = *of(pose, part);
+  return nodes.followsParts() ? stateOf(pose) : nodes.placements;
 }
 
 bool PoseCages::place(const Pose& pose, int part) {
   NodesInPose& nodes = *of(pose, part);
   if (nodes.written) return true;
-  return nodes.cages[0].placed.make(rollOf(pose, part), [&] {
+  if (nodes.followsParts())
+    return nodes.cages[0].placed.make(placedFor(pose, part), [&] {
+      nodes.failure = kFollowsNowhere;
+      return follow(pose, part, nodes.influences, nodes.places, nodes.side, nodes.cages[0].nodes);
+    });
+  return nodes.cages[0].placed.make(placedFor(pose, part), [&] {
     ++nodes.placements;
     const Pose::Shape& shape = const_cast<Pose&>(pose).shapes()[part];
     const glm::vec3 middle = 0.5f * glm::vec3(shape.size);
@@ -209,11 +271,13 @@ bool PoseCages::fits(const Pose& pose, std::span<const Part> parts) {
 
 bool PoseCages::alike(const Pose& a, const Pose& b) {
   if (!a.cages() || !b.cages()) return a.cages() == b.cages();
+  if (a.cages()->rest.size() != b.cages()->rest.size()) return false;
   for (int part = 0; part < a.parts(); ++part) {
     const NodesInPose *const one = of(a, part), *const other = of(b, part);
     if (!one || !other) {
       if (one != other) return false;
-    } else if (one->cages[0].node_count != other->cages[0].node_count) {
+    } else if (one->cages[0].node_count != other->cages[0].node_count ||
+               one->influences.size() != other->influences.size()) {
       return false;
     }
   }
@@ -221,6 +285,7 @@ bool PoseCages::alike(const Pose& a, const Pose& b) {
 }
 
 void PoseCages::reset(Pose& pose) {
+  release(pose);
   for (int part = 0; part < pose.parts(); ++part) {
     if (NodesInPose* const nodes = of(pose, part)) nodes->written = false;
     pose.forgetNodes(part);
@@ -228,6 +293,10 @@ void PoseCages::reset(Pose& pose) {
 }
 
 void PoseCages::assign(const Pose& from, Pose& to) {
+  release(to);
+  for (int part = 0; part < to.parts(); ++part)
+    if (const glm::mat4* const driven = drivenTo(from, part)) drive(to, part, *driven);
+  if (to.cages()->any_driven) forgetMotions(to);
   for (int part = 0; part < to.parts(); ++part) {
     NodesInPose* const nodes = of(to, part);
     if (!nodes) continue;
@@ -253,22 +322,32 @@ void PoseCages::blend(const Pose& to, int part, float weight, Pose& pose) {
     mine[i] = weight == 1.0f ? theirs[i] : mine[i] + weight * (theirs[i] - mine[i]);
 }
 
-Result<void> PoseCages::check(const Pose& pose, int part) {
+std::optional<std::size_t> PoseCages::badNode(const Pose& pose, int part, const glm::vec3* nodes,
+                                              std::size_t node_count) {
   using namespace simd;
-  const NodesInPose* const in = of(pose, part);
-  if (!in || !in->written) return {};
-  const auto isBounded = [in](const CageInPose& cage) { return cage.bounded.isMade(in->placements); };
-  if (std::any_of(in->cages.begin(), in->cages.end(), isBounded)) return {};  // it was checked then
   const float limit = endOfNodes(const_cast<Pose&>(pose).shapes()[part].size);
-  const float* const numbers = &in->cages[0].nodes->x;
-  const std::size_t count = std::size_t{3} * in->cages[0].node_count, whole = count & ~std::size_t{3};
+  const float* const numbers = &nodes->x;
+  const std::size_t count = 3 * node_count, whole = count & ~std::size_t{3};
   unsigned good = 15;
   for (std::size_t i = 0; i < whole; i += 4) good &= lessBits(abs(Lanes::load(numbers + i)), limit);
   const auto isGood = [limit](float number) { return std::abs(number) < limit; };
-  if (good == 15 && std::all_of(numbers + whole, numbers + count, isGood)) return {};
-  Error bad = kBadNode;
-  bad.offset = static_cast<std::uint64_t>(std::find_if_not(numbers, numbers + count, isGood) - numbers) / 3;
-  return bad;
+  if (good == 15 && std::all_of(numbers + whole, numbers + count, isGood)) return std::nullopt;
+  return static_cast<std::size_t>(std::find_if_not(numbers, numbers + count, isGood) - numbers) / 3;
+}
+
+Result<void> PoseCages::check(const Pose& pose, int part) {
+  const NodesInPose* const in = of(pose, part);
+  if (!in) return {};
+  if (in->followsParts())
+    return followedBounds(pose, part).empty() ? Result<void>(kFollowsNowhere) : Result<void>();
+  if (!in->written) return {};
+  const auto isBounded = [in](const CageInPose& cage) { return cage.bounded.isMade(in->placements); };
+  if (std::any_of(in->cages.begin(), in->cages.end(), isBounded)) return {};  // it was checked then
+  const std::optional<std::size_t> bad = badNode(pose, part, in->cages[0].nodes, in->cages[0].node_count);
+  if (!bad) return {};
+  Error error = kBadNode;
+  error.offset = *bad;
+  return error;
 }
 
 void PoseCages::clamp(Pose& pose, int part) {
@@ -277,10 +356,7 @@ void PoseCages::clamp(Pose& pose, int part) {
   const std::span<glm::vec3> nodes = pose.nodes(part);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (glm::all(glm::lessThan(glm::abs(nodes[i]), glm::vec3(limit)))) continue;
-    const std::uint32_t place = in.places[i];
-    nodes[i] = static_cast<float>(in.side) * glm::vec3(static_cast<float>(place & 1023),
-                                                       static_cast<float>(place >> 10 & 1023),
-                                                       static_cast<float>(place >> 20));
+    nodes[i] = static_cast<float>(in.side) * glm::vec3(latticePoint(in.places[i]));
   }
 }
 
@@ -290,7 +366,7 @@ PoseCages* Pose::cages() const {
 
 void Pose::forgetFollowing(int part) {
   const NodesInPose* const nodes = PoseCages::of(*this, part);
-  if (nodes && !nodes->written) forgetNodes(part);
+  if (nodes && !nodes->written && !nodes->followsParts()) forgetNodes(part);
 }
 
 void Pose::forgetNodes(int part) {

@@ -161,6 +161,10 @@ void placeCoarser(const Pose& pose, int part, std::span<const Cage> cages, int c
                &coarser = cages[static_cast<std::size_t>(cage)];
     const glm::vec3* const from = in[cage - 1].nodes;
     for (std::uint32_t i = 0; i < in[cage].node_count; ++i) {
+      if (!(coarser.follows[i] & kFollowsAll)) {
+        in[cage].nodes[i] = from[coarser.follows[i]];
+        continue;
+      }
       const CageFollow follow = cageFollows(coarser, i, finer);
       Lanes at = 0.0f;
       for (int k = 0; k < follow.count; ++k)
@@ -189,16 +193,33 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage, CageUs
     if (nodes->cages[i].node_count != cages[i].nodes() || nodes->cages[i].cell_count != cages[i].cells())
       return kOtherPose;
   }
+  if (nodes->influences.empty() != of.influences.empty() ||
+      static_cast<std::size_t>(pose.parts()) != instance.asset->pack().parts().size())
+    return kOtherPose;
   CageInPose& in = nodes->cages[static_cast<std::size_t>(cage)];
-  if (!PoseCages::place(pose, part)) return nodes->failure;
-  if (use == CageUse::kBounds && cage == 0 && !in.bounded.isMade(nodes->placements)) {
+  const std::span<const glm::vec3> placed(in.nodes, in.node_count);
+  if (nodes->followsParts()) {
+    const Result<void> sound = PoseCages::check(pose, part);
+    if (!sound) return sound.error();
+    if (use == CageUse::kBounds)
+      return PosedCage{&of, placed, PoseCages::followedBounds(pose, part), {}, 0, {}, in.leaves};
+  } else if (!PoseCages::place(pose, part)) {
+    return nodes->failure;
+  }
+  const std::uint64_t now = PoseCages::madeFor(pose, part);
+  if (use == CageUse::kBounds && cage == 0 && !in.bounded.isMade(now)) {
     if (const Result<void> sound = PoseCages::check(pose, part); !sound) return sound.error();
-    const std::span<const glm::vec3> placed(in.nodes, in.node_count);
     return PosedCage{&of, placed, boxAround(placed), {}, 0, {}, in.leaves};
   }
-  const bool made = in.bounded.make(nodes->placements, [&] {
+  const bool made = in.bounded.make(now, [&] {
     if (!PoseCages::check(pose, part)) return false;
-    placeCoarser(pose, part, cages, cage);
+    if (nodes->followsParts()) {
+      in.placed.make(now, [&] {
+        return PoseCages::follow(pose, part, of.influences, of.places.data(), of.side, in.nodes);
+      });
+    } else {
+      placeCoarser(pose, part, cages, cage);
+    }
     boundCells(of, in);
     return true;
   });
@@ -206,7 +227,7 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage, CageUs
   PosedCage posed_cage{&of,      {in.nodes, in.node_count}, in.bounds, in.inverted, in.inverted_count, {},
                        in.leaves};
   if (use != CageUse::kTree) return posed_cage;
-  in.grown.make(nodes->placements, [&] {
+  in.grown.make(now, [&] {
     growTree(of, in);
     return true;
   });

@@ -22,10 +22,6 @@ struct SkinNode {
   std::array<double, 4> weights{};  // 0: none
 };
 
-// Takes joints away until there are at most `most`: first those that move nothing; then, with a notice, those
-// that move least, whose vertices and sockets follow the nearest joint above that is kept.
-void limitJoints(SourceSkin& skin, std::size_t most, std::vector<std::string>& notices);
-
 // All joints, with their clips: at each time that a clip was sampled at, its keys take every node to within
 // `tolerance` (soup units) of where the joints' own matrices do. Those that need more than translations,
 // rotations and scales, which have shear, are replaced by the nearest that do not. Joints that move no node

@@ -125,8 +125,8 @@ struct Cage {
   glm::ivec3 grid{0};                     // cells along each axis
   std::span<const std::uint32_t> words;   // as above
   std::span<const std::uint32_t> places;  // one a node: where the lattice is: x | y << 10 | z << 20, in sides
-  // Of coarser cages, one a node: the cell of the next finer cage that it moves with << 3 | the corner of the
-  // cell where it is; or, if it is at none, kFollowsAll | the cell.
+  // Of coarser cages, one a node: the node of the next finer cage that it moves with; or, if the cell that it
+  // follows has none at its place, kFollowsAll | that cell.
   std::span<const std::uint32_t> follows;
   // One a node; empty: nodes follow no parts, but the part's own spline, or the next finer cage.
   std::span<const Influences> influences;
@@ -149,10 +149,6 @@ struct Cage {
   // The word where the mask of a level begins, of a cell that has masks.
   std::uint32_t maskAt(std::uint32_t cell, int level) const {
     return this->cell(cell)[1] + cageMaskWords(side, this->level, level);
-  }
-  // The cell of the next finer cage that a node moves with: cageFollows().
-  std::uint32_t followed(std::uint32_t node) const {
-    return follows[node] & kFollowsAll ? follows[node] & ~kFollowsAll : follows[node] >> 3;
   }
   // Where a node is at rest, level-0 voxels.
   glm::ivec3 rest(std::uint32_t node) const { return side * unpack(places[node], 10); }
@@ -190,6 +186,9 @@ struct CageFollow {
   float weights[8];
 };
 CageFollow cageFollows(const Cage& cage, std::uint32_t node, const Cage& finer);
+// The finer node whose influences a node of a coarser cage has: the one that it moves with, or the one at the
+// nearest corner of the cell that it follows.
+std::uint32_t cageInfluencer(const Cage& cage, std::uint32_t node, const Cage& finer);
 
 // Makes the cage of a level that `source` describes, in `memory`. size: of the part, level-0 voxels. levels:
 // of the part. finer: the cage of the next finer level; null for level 0. max_bytes: of the cage and of what

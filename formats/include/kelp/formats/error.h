@@ -40,6 +40,7 @@ struct Error {
     kKnot,      // index of a knot in its part
     kInstance,  // index of an instance in the list that was given
     kNode,      // index of a node in the finest cage of its part
+    kJoint,     // index of a joint
   };
   static constexpr std::uint64_t kNoOffset = ~std::uint64_t{0};
 
@@ -50,7 +51,7 @@ struct Error {
   std::uint64_t offset = kNoOffset;  // where, if there is a place
   Unit unit = Unit::kByte;
 };
-const char* toString(Error::Unit unit);  // "byte", "part", "knot", "instance", "node"
+const char* toString(Error::Unit unit);  // "byte", "part", "knot", "instance", "node", "joint"
 
 // Writes the error to the standard error output and ends the program (std::abort).
 [[noreturn]] void stop(const Error& error);

@@ -160,6 +160,7 @@ struct RawRig {
 struct RawCages {
   int cell = 0;
   std::vector<RawCage> cages;
+  std::vector<Influences> influences;
 };
 
 // The content that writeRigs replaces in a pack.

@@ -59,21 +59,31 @@ class Pose {
   const Motion* motion(int part) const { return const_cast<Pose*>(this)->motion(part); }
 
   // Where the nodes of a part's finest cage are, to read and to write, in part space: level-0 voxels (Cage,
-  // kelp/formats/cage.h). The first call fills in where the part's spline takes them; at rest, if its knots
-  // may not be drawn. From then on they are where you put them, and the knots no longer move them, until
-  // reset(). Each call tells the pose that nodes change: call it again before each round of writing. The span
-  // stays valid as long as the pose lives. The nodes of coarser cages follow. Empty for a part without cages.
+  // kelp/formats/cage.h). The first call fills in where the part's spline, or the parts that the nodes
+  // follow, take them; at rest, if these may not be drawn. From then on they are where you put them, and
+  // nothing else moves them, until reset(). Each call tells the pose that nodes change: call it again before
+  // each round of writing. The span stays valid as long as the pose lives. The nodes of coarser cages follow.
+  // Empty for a part without cages.
   std::span<glm::vec3> nodes(int part);
-  // The same to read; they go on following the spline. Call it by std::as_const(pose).nodes(part).
+  // The same to read; they go on following. Call it by std::as_const(pose).nodes(part).
   std::span<const glm::vec3> nodes(int part) const;
 
-  void reset();  // back to rest; no node is the host's any more
+  // Moves the joints of a skin (asset.pack().joints()) as the host's own animation says: one matrix for each,
+  // object at rest -> object now; of the joint's matrix G in the object and its Joint::inverse_bind, G *
+  // inverse_bind. It may scale, shear, mirror and flatten. A joint's parts go there, and what follows them;
+  // their own motions and their parents' no longer count, until reset(). Copies; allocates nothing. kMisuse,
+  // with nothing changed: the pose does not fit the asset, the number of matrices is not that of its joints,
+  // or a number is not finite; `offset` is the index of the joint.
+  Result<void> setJoints(const Asset& asset, std::span<const glm::mat4x3> matrices);
+
+  void reset();  // back to rest; no node and no joint is the host's any more
   // Copies `other`. kMisuse, with nothing changed, if its parts, knots or nodes differ in number.
   Result<void> assign(const Pose& other);
   // Moves the pose towards `to`: weight 0 changes nothing, weight 1 makes it `to`. Knots, translations and
   // scales are interpolated linearly, rotations spherically by the shorter way. Between two monotone poses
-  // the result is monotone; between swept ones it may fold. Nodes that the host wrote to either pose are
-  // interpolated linearly, and are the host's in this one. part_weights: one factor of the weight for each
+  // the result is monotone; between swept ones it may fold. Nodes that the host wrote to either pose, and
+  // motions of parts that its joints moved, are interpolated linearly, and are the host's in this one.
+  // part_weights: one factor of the weight for each
   // part, as a mask; empty: all 1. kMisuse, with nothing changed, if the poses differ in parts, knots or
   // nodes, or a weight is not within [0, 1].
   Result<void> blend(const Pose& to, float weight, std::span<const float> part_weights = {});
@@ -92,7 +102,7 @@ class Pose {
  private:
   friend struct PoseWriter;
   friend struct PoseCages;
-  static Result<Pose> create(std::span<const Part> parts, const Allocator& allocator);
+  static Result<Pose> create(std::span<const Part> parts, bool joints, const Allocator& allocator);
   bool sameShape(const Pose& other) const;
   bool hasKnot(int part, int knot) const;
   std::span<Knot> writableKnots(int part) {

@@ -4,8 +4,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <numeric>
+#include <random>
+#include <set>
 #include <vector>
 
 #include "kelp/formats/raw_pack.h"
@@ -204,11 +207,21 @@ class NaiveCage {
   }
 };
 
-// Of the next finer cage, one for each node.
-inline std::vector<std::uint32_t> followedCells(const Cage& cage) {
-  std::vector<std::uint32_t> cells;
-  for (std::uint32_t node = 0; node < cage.follows.size(); ++node) cells.push_back(cage.followed(node));
-  return cells;
+// Cage::follows, of nodes that follow these cells of the next finer cage.
+inline std::vector<std::uint32_t> followWords(const std::vector<std::uint32_t>& cells, const Cage& cage,
+                                              const Cage& finer) {
+  std::vector<std::uint32_t> words;
+  for (std::uint32_t node = 0; node < cells.size(); ++node) {
+    std::uint32_t word = kFollowsAll | cells[node];
+    for (int corner = 0; corner < 8; ++corner)
+      if (finer.rest(finer.node(cells[node], corner)) == cage.rest(node))
+        word = finer.node(cells[node], corner);
+    words.push_back(word);
+  }
+  return words;
+}
+inline std::vector<std::uint32_t> followWords(const Cage& cage) {
+  return {cage.follows.begin(), cage.follows.end()};
 }
 
 // Gives a part of that many levels its cages. Its size and levels are set.
@@ -219,6 +232,53 @@ inline void addNaiveCages(RawPart& part, int cell, const IsSolid& solid) {
     cages.emplace_back(part.size, cell, i, solid);
     if (i > 0) cages[static_cast<std::size_t>(i)].follow(cages[static_cast<std::size_t>(i) - 1]);
     part.cages.push_back(cages.back().raw);
+  }
+}
+
+// The influences of a coarser cage's nodes: those of the finer node that is the nearest of the followed
+// cell's.
+inline std::vector<Influences> coarserInfluences(const Cage& cage, const Cage& finer,
+                                                 const std::vector<Influences>& of_finer) {
+  std::vector<Influences> influences;
+  for (std::uint32_t node = 0; node < cage.nodes() && !of_finer.empty(); ++node) {
+    std::uint32_t nearest = cage.follows[node];
+    if (nearest & kFollowsAll) {
+      const std::uint32_t cell = nearest & ~kFollowsAll;
+      const auto isNearer = [&](int a, int b) {
+        const auto far = [&](int corner) {
+          const glm::ivec3 off = finer.rest(finer.node(cell, corner)) - cage.rest(node);
+          return std::int64_t{off.x} * off.x + std::int64_t{off.y} * off.y + std::int64_t{off.z} * off.z;
+        };
+        return far(a) < far(b);
+      };
+      nearest = finer.node(cell, std::ranges::min(std::array{0, 1, 2, 3, 4, 5, 6, 7}, isNearer));
+    }
+    influences.push_back(of_finer[nearest]);
+  }
+  return influences;
+}
+
+// Lets the nodes of a part with cages, the one with the number `own`, follow some of so many parts.
+inline void addInfluences(RawPart& part, std::size_t own, std::size_t parts, std::uint32_t seed) {
+  CageMemory memory;
+  const Cage cage = makeCage(part.cages[0].source(), part.size, static_cast<int>(part.levels.size()),
+                             part.cell, 0, nullptr, ~std::uint64_t{0}, memory)
+                        .value();
+  std::mt19937 random(seed);
+  part.influences.assign(cage.nodes(), {});
+  for (Influences& node : part.influences) {
+    std::set<std::size_t> chosen;
+    const std::size_t count = 1 + random() % std::min<std::size_t>(4, parts - 1);
+    while (chosen.size() < count)
+      if (const std::size_t one = random() % parts; one != own) chosen.insert(one);
+    std::uint32_t left = 255, i = 0;
+    for (const std::size_t one : chosen) {
+      const auto others = static_cast<std::uint32_t>(count) - 1 - i;
+      const std::uint32_t weight = others == 0 ? left : 1 + random() % (left - others);
+      node.parts[i] = static_cast<std::uint16_t>(one);
+      node.weights[i++] = static_cast<std::uint8_t>(weight);
+      left -= weight;
+    }
   }
 }
 

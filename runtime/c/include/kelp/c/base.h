@@ -61,7 +61,8 @@ enum {
   KELP_UNIT_KNOT = 2,      // index of a knot in its part
   KELP_UNIT_INSTANCE = 3,  // index of an instance in the list that was given
   KELP_UNIT_NODE = 4,      // index of a node in the finest cage of its part
-  KELP_UNIT_NONE = 5       // the error has no place; offset is 0
+  KELP_UNIT_JOINT = 5,     // index of a joint
+  KELP_UNIT_NONE = 6       // the error has no place; offset is 0
 };
 
 typedef struct kelp_error {
