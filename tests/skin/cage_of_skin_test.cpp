@@ -242,7 +242,9 @@ TEST(SkinWeights, AreThoseOfDenseEquations) {
     for (std::size_t j = 0; j < kJoints; ++j) sum += weights[j] = std::exp(-std::abs(at.y - 3.0 * j)) + 0.01;
     for (std::uint32_t j = 0; j < kJoints; ++j) samples.weighted.push_back({j, weights[j] / sum});
     samples.first_weighted.push_back(samples.weighted.size());
-    of.push_back(places.find(at, std::nullopt));
+    const std::optional<glm::ivec3> voxel = nearestVoxel(bits, none, at, 0);
+    ASSERT_TRUE(voxel);
+    of.push_back(places.find(at, *voxel));
     ASSERT_TRUE(of.back());
     glm::dvec3 back(0);  // the place is where the sample is
     for (int i = 0; i < 4; ++i) back += of.back()->weights[i] * glm::dvec3(cage.rest(of.back()->nodes[i]));

@@ -55,7 +55,7 @@ Matrix equations(const SkinSamples& samples, const SamplePlaces& places, const C
         if (i == j) diagonal += value;
       }
   }
-  diagonal /= cage.nodes();
+  diagonal = diagonal > 0 ? diagonal / cage.nodes() : 1;
   for (const auto& [a, b] : edges) {
     const double stiffness = kSmooth * diagonal;
     add(a, a, stiffness);
