@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kelp/common/dense_index.h"
+#include "kelp/fields/fields.h"
 #include "kelp/formats/cage.h"
 #include "skin_shapes.h"
 #include "weights.h"

@@ -11,6 +11,7 @@
 
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "kelp/import/core/frame.h"
 #include "kelp/import/core/source_model.h"
@@ -71,15 +72,17 @@ struct SkinnedShape {
   // A clip in which joint j turns about its place by angle(j, time) about z, seen from its parent.
   void addClip(const std::string& name, double duration, int samples,
                const std::function<double(int, double)>& angle) {
-    SourceSkin::Clip clip{name, static_cast<float>(duration), {}, {}};
+    SourceSkin::Clip clip;
+    clip.name = name;
+    clip.duration = static_cast<float>(duration);
     for (int i = 0; i < samples; ++i) {
       const double time = duration * i / (samples - 1);
       clip.times.push_back(static_cast<float>(time));
       for (std::size_t j = 0; j < skin().joints.size(); ++j) {
         const glm::dmat4& frame_of = skin().joints[j].frame;
-        const glm::dmat4 turn =
-            glm::rotate(glm::dmat4(1), angle(static_cast<int>(j), time), glm::dvec3(0, 0, 1));
-        clip.locals.emplace_back(frame_of * turn * glm::inverse(frame_of));
+        const glm::dquat turn = glm::angleAxis(angle(static_cast<int>(j), time), glm::dvec3(0, 0, 1));
+        clip.locals.emplace_back(frame_of * glm::mat4_cast(turn) * glm::inverse(frame_of));
+        clip.turns.push_back(turn);
       }
     }
     skin().clips.push_back(std::move(clip));

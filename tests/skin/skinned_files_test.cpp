@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kelp/bake/bake.h"
+#include "kelp/fields/fields.h"
 #include "support/assets.h"
 
 namespace kelp::bake {
@@ -55,14 +56,20 @@ void expectBody(const Baked& baked, const Baked& plain, std::size_t joints) {
   ASSERT_EQ(baked.pack.parts.size(), 1 + joints);
   ASSERT_EQ(baked.pack.joints.size(), joints);
   const RawPart &body = baked.body(), &same = plain.body();
+  // These files' bind poses are their poses at rest, but for rounding.
   EXPECT_EQ(body.size, same.size);
-  EXPECT_EQ(body.to_object, same.to_object);
+  for (int column = 0; column < 4; ++column)
+    EXPECT_LT(glm::distance(body.to_object[column], same.to_object[column]),
+              1e-4f * glm::length(same.to_object[0]) * static_cast<float>(same.size.y));
   ASSERT_EQ(body.levels.size(), same.levels.size());
-  for (std::size_t i = 0; i < body.levels.size(); ++i) {
-    EXPECT_EQ(body.levels[i].cells, same.levels[i].cells);
-    EXPECT_EQ(body.levels[i].codes, same.levels[i].codes);
-    EXPECT_EQ(body.levels[i].attributes, same.levels[i].attributes);
+  const std::vector<std::uint8_t> solid = fields::occupancyOf(body.levels[0], body.size).solid,
+                                  wanted = fields::occupancyOf(same.levels[0], same.size).solid;
+  std::size_t differ = 0, count = 0;
+  for (std::size_t i = 0; i < solid.size(); ++i) {
+    differ += solid[i] != wanted[i];
+    count += wanted[i];
   }
+  EXPECT_LE(differ, count / 1000);
   EXPECT_EQ(body.cages.size(), body.levels.size());
   EXPECT_EQ(baked.report.parts[0].cell, body.cell);
   std::set<std::string> names;
@@ -114,12 +121,12 @@ TEST(SkinnedFiles, CesiumMan) {
 
 TEST(SkinnedFiles, Greenman) {
   KELP_ASSET(path, "gltf/skinned/greenman.glb");
-  expectSkin(path, 15, 4);
+  expectSkin(path, 12, 4);
   const Baked baked(path);
   ASSERT_EQ(baked.pack.sockets.size(), 3u);
   for (const RawSocket& socket : baked.pack.sockets)
     if (socket.name == "hat") {
-      EXPECT_EQ(baked.pack.parts[socket.part].name, "body_up");
+      EXPECT_EQ(baked.pack.parts[socket.part].name, "socket_hat");
     }
 }
 
