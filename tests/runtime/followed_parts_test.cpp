@@ -117,10 +117,10 @@ struct Puppet {
   std::optional<glm::dmat4> driven[6];
 };
 
-std::vector<glm::mat4x3> someMatrices(std::uint32_t seed, std::size_t count = 4) {
+std::vector<glm::mat4> someMatrices(std::uint32_t seed, std::size_t count = 4) {
   std::mt19937 random(seed);
-  std::vector<glm::mat4x3> matrices(count, glm::mat4x3(1));
-  for (glm::mat4x3& matrix : matrices)
+  std::vector<glm::mat4> matrices(count, glm::mat4(1));
+  for (glm::mat4& matrix : matrices)
     for (int column = 0; column < 4; ++column)
       for (int row = 0; row < 3; ++row)
         matrix[column][row] += 0.5f * (static_cast<float>(random()) / 2147483648.0f - 1.0f);
@@ -170,9 +170,9 @@ TEST(FollowedParts, JointsOfTheHostTakeThem) {
   Puppet puppet(4);
   puppet.move(1);
   for (const std::uint32_t seed : {1u, 2u}) {
-    const std::vector<glm::mat4x3> matrices = someMatrices(seed);
+    const std::vector<glm::mat4> matrices = someMatrices(seed);
     ASSERT_TRUE(puppet.pose.setJoints(puppet.asset(), matrices));
-    for (std::size_t i = 0; i < 4; ++i) puppet.driven[kDrivenParts[i]] = asDouble(matrices[i]);
+    for (std::size_t i = 0; i < 4; ++i) puppet.driven[kDrivenParts[i]] = glm::dmat4(matrices[i]);
     puppet.expectPlaced();  // part 3 goes on by its own motion
     const glm::mat4 part = partToWorld(puppet.instance(), 4).value();
     const glm::dmat4 truth = *puppet.driven[4] * asDouble(puppet.asset().pack().parts()[4].to_object);
@@ -193,11 +193,11 @@ TEST(FollowedParts, JointsOfTheHostTakeThem) {
 
 TEST(FollowedParts, WrongJointsAreRefused) {
   Puppet puppet(4);
-  std::vector<glm::mat4x3> matrices = someMatrices(1);
+  std::vector<glm::mat4> matrices = someMatrices(1);
   ASSERT_TRUE(puppet.pose.setJoints(puppet.asset(), matrices));
   const std::vector<glm::vec3> before(std::as_const(puppet.pose).nodes(2).begin(),
                                       std::as_const(puppet.pose).nodes(2).end());
-  const auto refused = [&](std::span<const glm::mat4x3> wrong) {
+  const auto refused = [&](std::span<const glm::mat4> wrong) {
     const Result<void> set = puppet.pose.setJoints(puppet.asset(), wrong);
     const std::span<const glm::vec3> now = std::as_const(puppet.pose).nodes(2);
     EXPECT_TRUE(std::equal(now.begin(), now.end(), before.begin()));
@@ -211,13 +211,17 @@ TEST(FollowedParts, WrongJointsAreRefused) {
   EXPECT_EQ(error.code, ErrorCode::kMisuse);
   EXPECT_EQ(error.offset, 2u);
   EXPECT_EQ(error.unit, Error::Unit::kJoint);
+  matrices = someMatrices(1);
+  matrices[3][1].w = 0.5f;
+  EXPECT_EQ(refused(matrices).offset, 3u);
   Puppet other(8);
   EXPECT_EQ(other.pose.setJoints(puppet.asset(), someMatrices(1)).error().code, ErrorCode::kMisuse);
   // Flat, mirrored and all on one point: as the host wants it.
   for (const float scale : {0.0f, -1.0f}) {
-    const std::vector<glm::mat4x3> odd(4, glm::mat4x3(scale));
+    std::vector<glm::mat4> odd(4, glm::mat4(scale));
+    for (glm::mat4& matrix : odd) matrix[3].w = 1;
     ASSERT_TRUE(puppet.pose.setJoints(puppet.asset(), odd));
-    for (std::size_t i = 0; i < 4; ++i) puppet.driven[kDrivenParts[i]] = asDouble(odd[i]);
+    for (std::size_t i = 0; i < 4; ++i) puppet.driven[kDrivenParts[i]] = glm::dmat4(odd[i]);
     puppet.expectPlaced();
   }
 }
@@ -226,13 +230,13 @@ TEST(FollowedParts, BlendsMixJoints) {
   Puppet puppet(4);
   puppet.move(1, 0.3f);
   Pose to = Pose::create(puppet.asset()).value();
-  const std::vector<glm::mat4x3> matrices = someMatrices(3);
+  const std::vector<glm::mat4> matrices = someMatrices(3);
   to.setJoints(puppet.asset(), matrices).value();
   std::optional<glm::dmat4> mixed[6];
   for (std::size_t i = 0; i < 4; ++i) {
     const int part = kDrivenParts[i];
     const glm::dmat4 from = puppet.motionOf(part);
-    mixed[part] = from + 0.25 * (asDouble(matrices[i]) - from);
+    mixed[part] = from + 0.25 * (glm::dmat4(matrices[i]) - from);
   }
   puppet.pose.blend(to, 0.25f).value();
   std::copy(std::begin(mixed), std::end(mixed), puppet.driven);
