@@ -19,7 +19,7 @@ runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-j
          python3-numpy)       # tests only: kelp.py
 baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev
        libtinygltf-dev libdraco-dev
-       libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev libseccomp-dev
+       libmeshoptimizer-dev libstb-dev libeigen3-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev libseccomp-dev
        make)  # tests only: it reads the rules of kelp-bake -MD
 samples=(libglfw3-dev libsdl2-dev libimgui-dev xvfb xauth libxtst6)
 format=(clang-format mypy)  # tests/check_house.py, kelp.py

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -27,6 +28,7 @@ using CellName = std::pair<int, int>;  // cube, piece
 struct TrueCage {
   int side = 0, level = 0;
   glm::ivec3 grid{0}, size{0};
+  std::vector<std::uint16_t> labels;                 // of each voxel, or none
   std::vector<int> piece;                            // of each voxel; -1: empty
   std::map<int, int> pieces;                         // of each cube with solid
   std::set<std::pair<CellName, CellName>> touching;  // both ways
@@ -41,6 +43,7 @@ struct TrueCage {
   glm::ivec3 placeOf(int cube) const {
     return {cube % grid.x, cube / grid.x % grid.y, cube / grid.x / grid.y};
   }
+  bool haveOneLabel(std::size_t a, std::size_t b) const { return labels.empty() || labels[a] == labels[b]; }
   bool hasCube(const glm::ivec3& at) const {
     return at.x >= 0 && at.y >= 0 && at.z >= 0 && at.x < grid.x && at.y < grid.y && at.z < grid.z;
   }
@@ -78,7 +81,7 @@ void fillPieces(const fields::Occupancy& solid, const TrueCage* finer, TrueCage&
       }
       forEachAround(v, [&](const glm::ivec3& to) {
         if (!isSolid(solid, to) || cage.cubeAt(to / cage.side) != cube) return;
-        if (cage.piece[solid.index(to)] >= 0) return;
+        if (cage.piece[solid.index(to)] >= 0 || !cage.haveOneLabel(flood[n], solid.index(to))) return;
         cage.piece[solid.index(to)] = 0;
         flood.push_back(solid.index(to));
       });
@@ -108,13 +111,14 @@ void findTouching(const fields::Occupancy& solid, TrueCage& cage) {
     ++voxels[cube];
     forEachAround(v, [&](const glm::ivec3& to) {
       if (!isSolid(solid, to) || cage.cubeAt(to / cage.side) == cube) return;
+      if (!cage.haveOneLabel(i, solid.index(to))) return;
       cage.touching.insert(
           {{cube, cage.piece[i]}, {cage.cubeAt(to / cage.side), cage.piece[solid.index(to)]}});
     });
   }
   for (const std::pair<const int, int>& full : voxels) {
     const int cube = full.first;
-    if (full.second != cage.side * cage.side * cage.side) continue;
+    if (full.second != cage.side * cage.side * cage.side || cage.pieces[cube] > 1) continue;
     bool wrapped = true;
     forEachAround(cage.placeOf(cube), [&](const glm::ivec3& to) {
       const auto other = cage.hasCube(to) ? cage.pieces.find(cage.cubeAt(to)) : cage.pieces.end();
@@ -216,8 +220,10 @@ void findNodes(const TrueCage* finer, TrueCage& cage) {
   }
 }
 
-TrueCage trueCage(const fields::Occupancy& solid, int cell, int level, const TrueCage* finer) {
+TrueCage trueCage(const fields::Occupancy& solid, const std::vector<std::uint16_t>& labels, int cell,
+                  int level, const TrueCage* finer) {
   TrueCage cage;
+  cage.labels = labels;
   cage.level = level;
   cage.side = cageSide(cell, cage.level);
   cage.size = solid.size;
@@ -250,8 +256,9 @@ int levelsOf(const glm::ivec3& size) {
 }
 
 struct InMemory {
-  InMemory(const fields::Occupancy& solid, int levels, int cell)
-      : raw(fields::buildCages(fields::SolidBits(solid, 1), levels, cell)), memory(raw.size()) {
+  InMemory(const fields::Occupancy& solid, int levels, int cell,
+           const std::vector<std::uint16_t>& labels = {})
+      : raw(fields::buildCages(fields::SolidBits(solid, 1), levels, cell, labels)), memory(raw.size()) {
     for (std::size_t i = 0; i < raw.size(); ++i) {
       const Result<Cage> made = makeCage(raw[i].source(), solid.size, levels, cell, static_cast<int>(i),
                                          i > 0 ? &cages[i - 1] : nullptr, 1u << 30, memory[i]);
@@ -266,28 +273,64 @@ struct InMemory {
   std::vector<CageMemory> memory;
 };
 
+void expectTrue(const NamedVolume& volume, const std::vector<std::uint16_t>& labels) {
+  const glm::ivec3& size = volume.occupancy.size;
+  for (const int cell : {2, 4, 8, 16}) {
+    const int levels = levelsOf(size);
+    const InMemory cages(volume.occupancy, levels, cell, labels);
+    ASSERT_EQ(static_cast<int>(cages.cages.size()), levels);
+    std::vector<TrueCage> truth;
+    for (int i = 0; i < levels; ++i) {
+      SCOPED_TRACE(volume.name + ", cells of " + std::to_string(cell) + ", cage " + std::to_string(i));
+      truth.push_back(trueCage(volume.occupancy, labels, cell, i, i > 0 ? &truth.back() : nullptr));
+      const RawCage &made = cages.raw[static_cast<std::size_t>(i)], &expected = truth.back().raw;
+      ASSERT_EQ(made.blocks, expected.blocks);
+      ASSERT_EQ(made.masks, expected.masks);
+      ASSERT_EQ(made.split_points, expected.split_points);
+      ASSERT_EQ(made.splits, expected.splits);
+      ASSERT_EQ(made.follows, expected.follows);
+      const Cage& cage = cages.cages[static_cast<std::size_t>(i)];
+      ASSERT_EQ(followWords(cage), followWords(truth.back().follows, cage,
+                                               cages.cages[static_cast<std::size_t>(std::max(i - 1, 0))]));
+    }
+  }
+}
+
 TEST(Cages, AreThoseOfBruteForce) {
   for (const NamedVolume& volume : cageVolumes()) {
-    const glm::ivec3& size = volume.occupancy.size;
-    for (const int cell : {2, 4, 8, 16}) {
-      const int levels = levelsOf(size);
-      const InMemory cages(volume.occupancy, levels, cell);
-      ASSERT_EQ(static_cast<int>(cages.cages.size()), levels);
-      std::vector<TrueCage> truth;
-      for (int i = 0; i < levels; ++i) {
-        SCOPED_TRACE(volume.name + ", cells of " + std::to_string(cell) + ", cage " + std::to_string(i));
-        truth.push_back(trueCage(volume.occupancy, cell, i, i > 0 ? &truth.back() : nullptr));
-        const RawCage &made = cages.raw[static_cast<std::size_t>(i)], &expected = truth.back().raw;
-        ASSERT_EQ(made.blocks, expected.blocks);
-        ASSERT_EQ(made.masks, expected.masks);
-        ASSERT_EQ(made.split_points, expected.split_points);
-        ASSERT_EQ(made.splits, expected.splits);
-        ASSERT_EQ(made.follows, expected.follows);
-        const Cage& cage = cages.cages[static_cast<std::size_t>(i)];
-        ASSERT_EQ(followWords(cage), followWords(truth.back().follows, cage,
-                                                 cages.cages[static_cast<std::size_t>(std::max(i - 1, 0))]));
-      }
-    }
+    expectTrue(volume, {});
+    if (HasFatalFailure()) return;
+  }
+}
+
+std::vector<std::uint16_t> labelsWhere(const glm::ivec3& size,
+                                       const std::function<int(const glm::ivec3&)>& label) {
+  std::vector<std::uint16_t> labels(emptyVolume(size).solid.size());
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    labels[i] = static_cast<std::uint16_t>(label(voxelAt(i, size)));
+  return labels;
+}
+
+// One label in all; slanted slabs; a ball in a rest; boxes that are not cells; stripes thinner than cells.
+TEST(Cages, OfLabelsAreThoseOfBruteForce) {
+  const std::vector<std::function<int(const glm::ivec3&)>> patterns{
+      [](const glm::ivec3&) { return 7; },
+      [](const glm::ivec3& v) { return (v.x + 2 * v.y + 3 * v.z) / 37 % 3; },
+      [](const glm::ivec3& v) { return glm::dot(glm::vec3(v - 11), glm::vec3(v - 11)) < 60 ? 60000 : 2; },
+      [](const glm::ivec3& v) { return v.x / 8 + v.y / 12 + v.z / 16; },
+      [](const glm::ivec3& v) { return v.y % 3; }};
+  const std::vector<NamedVolume> volumes = cageVolumes();
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
+    const std::size_t pattern = i % patterns.size();
+    SCOPED_TRACE("labels " + std::to_string(pattern));
+    expectTrue(volumes[i], labelsWhere(volumes[i].occupancy.size, patterns[pattern]));
+    if (HasFatalFailure()) return;
+  }
+  const glm::ivec3 size(25, 24, 17);
+  for (const auto& pattern : patterns) {
+    expectTrue({"full", volumeWhere(size, [](const glm::ivec3&) { return true; })},
+               labelsWhere(size, pattern));
+    if (HasFatalFailure()) return;
   }
 }
 
@@ -383,6 +426,8 @@ TEST(Cages, RefuseWhatFormatsDoNotKnow) {
   EXPECT_THROW(fields::buildCages(full, 1, 3), std::invalid_argument);
   EXPECT_THROW(fields::buildCages(full, 1, 2), std::invalid_argument);
   EXPECT_EQ(fields::buildCages(full, 1, 4).size(), 1u);
+  const std::vector<std::uint16_t> few(7);
+  EXPECT_THROW(fields::buildCages(full, 1, 4, few), std::invalid_argument);
 }
 
 }  // namespace

@@ -182,12 +182,9 @@ TEST(SaveRig, NothingThatAFileHoldsIsLost) {
   EXPECT_EQ(refusalOf(path, editor, 1), "");
   EXPECT_EQ(saved().parts, (std::vector<RigFile::PartRig>{{"leg", editor.rig(1)}}));
 
-  scratch.write(
-      "hero.rig.json",
-      R"({"kelp": 1, "skin": {"parts": [{"joints": ["j"]}]}, "parts": {"old": {"roll": 3, "bend": "sweep"}, "arm": {}}})");
+  scratch.write("hero.rig.json", R"({"kelp": 1, "parts": {"old": {"roll": 3, "bend": "sweep"}, "arm": {}}})");
   EXPECT_EQ(refusalOf(path, editor, 0), "");
   const RigFile file = saved();
-  EXPECT_EQ(file.whole.skin.size(), 1u);
   ASSERT_EQ(file.parts.size(), 2u);
   EXPECT_EQ(file.parts[0].rig.roll, rollOfDegrees(3)) << "of a part that is not in this pack";
   EXPECT_EQ(file.parts[1].rig, editor.rig(0));
@@ -203,22 +200,6 @@ TEST(SaveRig, NothingThatAFileHoldsIsLost) {
   const OpenPack twice(raw);
   EXPECT_NE(refusalOf(scratch / "new.json", RigEditor(*twice.pack), 0).find("two parts have the name 'arm'"),
             std::string::npos);
-}
-
-TEST(SaveRig, ASkinThatWasAskedForIsAskedForAgain) {
-  const test::Scratch scratch;
-  RawPack raw = packWith(parseRig(R"({"kelp": 1, "axis": "+y"})"));
-  raw.parts[0].name = "hip";
-  for (const bool asked : {true, false}) {
-    raw.info_json = std::string(R"({"options": {)") + (asked ? R"("rig": "skin")" : "") +
-                    R"(}, "skin": {"parts": [{"joints": ["hip"]}]}})";
-    const OpenPack open(raw);
-    const std::string path = scratch / (asked ? "asked.json" : "found.json");
-    saveRig(path, RigEditor(*open.pack), 0);
-    const RigFile file = parseRigFile(test::readWhole(path));
-    EXPECT_EQ(file.whole.skin.size(), asked ? 1u : 0u);
-    EXPECT_EQ(file.parts.at(0).name, "hip");
-  }
 }
 
 }  // namespace

@@ -49,12 +49,20 @@ TEST(RigFiles, ARigOfAWholeFileIsOneToo) {
   EXPECT_THROW(parseRig(R"({"kelp": 1, "parts": {"a": {}}})"), RigError) << "extras.kelp is of one part";
 }
 
-TEST(RigFiles, ASkinMayStandBesideParts) {
-  const RigFile file = parseRigFile(
-      R"({"kelp": 1, "skin": {"parts": [{"joints": ["Hip"], "pieces": 2}]}, "parts": {"Hip.2": {"sockets": {"s": {"at": 0.5}}}}})");
-  EXPECT_EQ(file.whole.skin.at(0).pieces, 2);
-  EXPECT_EQ(file.parts.at(0).rig.sockets.at(0).at, 0.5f);
-  EXPECT_EQ(parseRigFile(printRigFile(file)), file);
+// Rigs once said which joints make which parts.
+TEST(RigFiles, WhatDividedSkinsSaysWhatReplacesIt) {
+  for (const char* text : {R"({"kelp": 1, "skin": {"parts": [{"joints": ["Hip"], "pieces": 2}]}})",
+                           R"({"kelp": 1, "skin": {}, "parts": {"Hip": {}}})",
+                           R"({"kelp": 1, "parts": {"Hip": {"skin": 3}}})"}) {
+    try {
+      parseRigFile(text);
+      ADD_FAILURE() << text;
+    } catch (const RigError& error) {
+      EXPECT_NE(std::string(error.what()).find("/skin: "), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("under \"parts\""), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(parseRig(R"({"kelp": 1, "skin": {}})"), RigError);
 }
 
 // A pack of parts, all rotations of whose clips are unit as far as floats can be.
@@ -139,21 +147,20 @@ TEST(RigFiles, InfoTellsOfPartsAndIsNotTrusted) {
   EXPECT_TRUE(rigged({"a"}, R"({"options": {"parts": "nodes"}})").by_part);
   EXPECT_EQ(rigged({"a", "b"}, R"({"axes": {"b": "+z", "c": "-z"}})").axes,
             (std::vector<Axis>{Axis::kPlusX, Axis::kPlusZ}));
-  const RiggedPack skin = rigged(
-      {"a", "b"},
-      R"({"options": {"rig": "skin"}, "skin": {"parts": [{"joints": ["x"]}, {"joints": ["y"], "rig": true}]}})");
-  EXPECT_TRUE(skin.skin_asked);
-  EXPECT_EQ(skin.skin.skin.size(), 2u);
+  const RiggedPack skin = rigged({"a", "b"}, R"({"skin": {"rigs": ["b", "c"]}})");
+  EXPECT_TRUE(skin.skinned);
   EXPECT_EQ(skin.given, (std::vector<bool>{false, true}));
+  EXPECT_EQ(rigged({"a", "b"}, "{}").given, (std::vector<bool>{true, true}));
+  for (const char* none :
+       {R"({"skin": {}})", R"({"skin": {"rigs": {"a": 1}}})", R"({"skin": {"rigs": [1]}})"})
+    EXPECT_EQ(rigged({"a", "b"}, none).given, (std::vector<bool>{false, false})) << none;
   for (const char* bad :
        {"", "[]", "3", "{\"axes\": []}", R"({"axes": {"a": 3, "b": "up"}})", R"({"options": 1})",
         R"({"options": {"parts": ["nodes"], "rig": {"name": "skin"}}})"}) {
     const RiggedPack out = rigged({"a", "b"}, bad);
     EXPECT_EQ(out.axes, (std::vector<Axis>{Axis::kPlusX, Axis::kMinusX})) << bad;
-    EXPECT_EQ(out.skin_problem, "") << bad;
-    EXPECT_FALSE(out.skin_asked) << bad;
+    EXPECT_FALSE(out.skinned) << bad;
   }
-  EXPECT_NE(rigged({"a", "b"}, R"({"skin": {"parts": [{"joints": ["x"]}]}})").skin_problem, "");
 }
 
 TEST(RigFiles, NoAxisIsFoundWhereThePartIsSkewed) {

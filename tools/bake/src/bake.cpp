@@ -124,8 +124,15 @@ void importModel(Job& job) {
   report.materials = usedMaterials(job.model);
   report.images = job.model.images.size();
   checkFormat(job);
-  if (!job.model.parts.front().skin) requireRiggedParts(job.model, settings, job.input);
+  if (job.model.parts.front().skin)
+    limitSkin(job.model, report);
+  else
+    requireRiggedParts(job.model, settings, job.input);
   for (SourcePart& part : job.model.parts) {
+    if (part.skin) {  // its nodes follow joints
+      part.rig.bend = Bend::kShear;
+      part.rig.caged = true;
+    }
     if (part.rig.bend) continue;
     part.rig.bend = part.fog ? Bend::kShear : settings.bend.value_or(kDefaultBend);
     part.rig.caged = !part.fog && settings.caged;
@@ -280,17 +287,22 @@ void voxelizeParts(Job& job) {
   notices.moveTo(job.report.notices);
 }
 
-// The one part of a model that bends by joints becomes several.
-DividedSkin divideSkins(Job& job) {
-  DividedSkin divided = divideSkinnedPart(job.model, job.frames.front(), job.settings.pad, job.threads,
-                                          job.progress, job.report);
-  job.pack.joints = std::move(divided.joints);
+// The one part of a model that bends by joints gets its cage; its joints become parts.
+std::vector<SkinFit> divideSkin(Job& job) {
+  SkinnedBody body =
+      divideSkinnedPart(job.model, job.frames.front(), job.settings, job.threads, job.progress, job.report);
   requireRiggedParts(job.model, job.settings, job.input);
   job.frames.assign(job.model.parts.size(), Frame());
-  job.grids.clear();
-  for (const SourcePart& part : job.model.parts) job.grids.push_back(&*part.grid);
   layParts(job);
-  return divided;
+  job.pack.joints = std::move(body.joints);
+  RawPart& part = job.pack.parts.front();
+  part.cell = body.cell;
+  part.cages = std::move(body.cages);
+  part.influences = std::move(body.influences);
+  PartNotices none;
+  for (std::size_t i = 1; i < job.model.parts.size(); ++i) voxelizePart(job, i, none);
+  job.grids = {&*job.model.parts.front().grid};  // it has moved
+  return std::move(body.fits);
 }
 
 void choosePalette(Job& job) {
@@ -361,23 +373,18 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   frameParts(job);
   const bool skinned = job.model.parts.front().skin.has_value();
   // Faults are reported before the long work.
-  if (skinned)
-    requirePlan(job.model.parts.front(), input);
-  else
-    rigParts(job.model, input, job.pack, report);
+  if (!skinned) rigParts(job.model, input, job.pack, report);
   clock.begin("voxelize");
   voxelizeParts(job);
-  std::string skin_info;
   if (skinned) {
     clock.begin("skin");
-    const Frame whole = job.frames.front();
-    const DividedSkin divided = divideSkins(job);
+    const std::vector<SkinFit> fits = divideSkin(job);
     rigParts(job.model, input, job.pack, report);
-    reportFits(divided, whole, report);
-    skin_info = divided.info;
+    reportFits(fits, report);
   }
   clock.begin("cages");
   addCages(job.model, settings, progress, input, job.pack);
+  for (std::size_t i = 0; i < job.pack.parts.size(); ++i) report.parts[i].cell = job.pack.parts[i].cell;
   clock.begin("palette");
   choosePalette(job);
   clock.begin("levels");
@@ -386,7 +393,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     clock.begin("distances");
     addDistances(job);
   }
-  job.pack.info_json = makeInfo(input, job.model, job.pack, job.volume, settings, report.files, skin_info);
+  job.pack.info_json = makeInfo(input, job.model, job.pack, job.volume, settings, report.files);
   clock.end();
   return std::move(job.pack);
 }

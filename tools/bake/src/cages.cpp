@@ -19,7 +19,9 @@ namespace {
 // Of a pack's metadata; the rest is for the other tables.
 constexpr std::uint64_t kMostCageBytes = PackLimits{}.max_metadata_bytes / 16 * 15;
 
+// A skin chooses its own: the largest are the only ones that it may need.
 int cellOf(const SourcePart& part, const Settings& settings) {
+  if (part.skin) return settings.cell.value_or(fields::kLargestCell);
   return part.rig.cell != 0 ? part.rig.cell : settings.cell.value_or(kDefaultCell);
 }
 
@@ -41,7 +43,8 @@ bool takeRoom(const std::vector<RawCage>& cages, const RawPart& part, int levels
   Cage made[2];
   for (std::size_t i = 0; i < cages.size(); ++i) {
     const RawCage& raw = cages[i];
-    const std::uint64_t numbers = sizeof(std::uint32_t) * (raw.split_points.size() + raw.follows.size()),
+    const std::uint64_t numbers = sizeof(std::uint32_t) * (raw.split_points.size() + raw.follows.size()) +
+                                  (i == 0 ? part.influences.size() * sizeof(Influences) : 0),
                         bytes = raw.blocks.size() + raw.masks.size() + raw.splits.size() + numbers;
     if (bytes > room.decoded) return false;
     room.decoded -= bytes;
@@ -68,13 +71,15 @@ const SourcePart* buildAll(SourceModel& model, const Settings& settings, int lea
       throw ToolError(Exit::kInterrupted, "interrupted");
     if (!hasCage(model.parts[i])) continue;
     RawPart& part = pack.parts[i];
-    part.cell = std::max(cellOf(model.parts[i], settings), least);
     VoxelGrid& grid = *model.parts[i].grid;
-    fields::Occupancy occupancy{grid.size, std::move(grid.solid)};
-    const fields::SolidBits bits(occupancy, threadCount(settings.threads));
-    grid.solid = std::move(occupancy.solid);
     const int levels = levelCount(grid.size, settings.levels);
-    part.cages = fields::buildCages(bits, levels, part.cell);
+    if (part.cages.empty() || part.cell < least) {
+      part.cell = std::max(cellOf(model.parts[i], settings), least);
+      fields::Occupancy occupancy{grid.size, std::move(grid.solid)};
+      const fields::SolidBits bits(occupancy, threadCount(settings.threads));
+      grid.solid = std::move(occupancy.solid);
+      part.cages = fields::buildCages(bits, levels, part.cell);
+    }
     if (!takeRoom(part.cages, part, levels, room)) return &model.parts[i];
   }
   return nullptr;
@@ -87,12 +92,7 @@ void checkCages(const SourceModel& model, const RawPack& pack, const Settings& s
   bool any = false;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     const SourcePart& part = model.parts[i];
-    if (part.skin && settings.caged)
-      throw ToolError(Exit::kUnsupported,
-                      partPlace(input, part) +
-                          ": bends by its joints, and parts of a skin have no cages; leave --bend cage out, "
-                          "or add --rig none for the model at rest, or a rig");
-    any = any || part.skin || part.rig.caged;
+    any = any || part.rig.caged;
     if (!part.rig.caged) continue;
     if (part.fog)
       throw ToolError(Exit::kUnsupported, partPlace(input, part) +
@@ -122,7 +122,7 @@ void addCages(SourceModel& model, const Settings& settings, const Progress& prog
   const SourcePart* const first = buildAll(model, settings, fields::kSmallestCell, progress, pack);
   if (!first) return;
   const SourcePart& part = *first;
-  const int cell = cellOf(part, settings);
+  const int cell = pack.parts[static_cast<std::size_t>(first - model.parts.data())].cell;
   int fits = 2 * cell;
   while (fits <= fields::kLargestCell && buildAll(model, settings, fits, progress, pack)) fits *= 2;
   throw ToolError(

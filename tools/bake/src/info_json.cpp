@@ -89,7 +89,7 @@ std::filesystem::path rigBeside(const std::filesystem::path& input) {
 }
 
 std::string makeInfo(const std::filesystem::path& input, const SourceModel& model, const RawPack& pack,
-                     bool volume, const Settings& settings, const FilesUsed& used, const std::string& skin) {
+                     bool volume, const Settings& settings, const FilesUsed& used) {
   OrderedJson options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
@@ -129,10 +129,7 @@ std::string makeInfo(const std::filesystem::path& input, const SourceModel& mode
   OrderedJson info = sourceJson(input, model.format, hashOf(used, input));
   info["options"] = options;
   for (const auto& [name, hash] : otherFiles(input, settings, used)) info["files"][name] = hash;
-  if (!skin.empty())
-    info["skin"] = OrderedJson::parse(skin);
-  else if (pack.parts.size() > 1 || settings.parts == Parts::kNodes)
-    noteAxes(model, pack, info);
+  if (pack.parts.size() > 1 || settings.parts == Parts::kNodes) noteAxes(model, pack, info);
   return print(info);
 }
 

@@ -3,62 +3,34 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include "kelp/import/core/padding.h"
+#include "kelp/formats/pack.h"
 #include "part_frames.h"
 #include "steps.h"
 
 namespace kelp::bake {
 namespace {
 
-// A warning above this distance of 95 % of the surface, as a share of the longest side: 4 voxels of 128.
-// Farther off, joints look broken.
-constexpr double kPoorFit = 1.0 / 32;
+// A warning above this distance of 95 % of the surface, in voxels: joints may look wrong.
+constexpr double kPoorFit = 2;
+// Readers take 4,096 parts by default.
+constexpr std::size_t kMostJoints = 4000;
 
-// The pivot, moved to `at` in its own space.
-glm::mat4x3 movedTo(const glm::mat4x3& pivot, const glm::dvec3& at) {
-  glm::mat4x3 moved = pivot;
-  moved[3] = glm::vec3(glm::dmat4x3(pivot) * glm::dvec4(at, 1));
-  return moved;
-}
-
-std::uint64_t countSolid(const VoxelGrid& grid) {
-  return static_cast<std::uint64_t>(
-      std::count_if(grid.solid.begin(), grid.solid.end(), [](std::uint8_t voxel) { return voxel != 0; }));
-}
-
-// Distances in hundredths of a voxel: finer than anybody needs, and the same on every machine.
-std::string infoOf(const std::vector<SkinPart>& parts, const std::optional<OuterRig>& outer) {
-  const auto rounded = [](double distance) { return std::round(100 * distance) / 100; };
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const SkinPart& part : parts) {
-    nlohmann::ordered_json& line = list.emplace_back();
-    line["joints"] = part.joints;
-    if (part.swept) line["knots"] = part.rig.knots.size();
-    if (outer && outer->file.find(part.name)) line["rig"] = true;  // is from the rig file
-    line["fit"] = {
-        {"mean", rounded(part.fit.mean)}, {"p95", rounded(part.fit.p95)}, {"max", rounded(part.fit.max)}};
-  }
-  return nlohmann::ordered_json{{"parts", list}}.dump(-1, ' ', false,
-                                                      nlohmann::ordered_json::error_handler_t::replace);
-}
-
-// The joints as a pack holds them: all or, with a notice, none.
-std::vector<RawJoint> jointsOf(const SourcePart& whole, const SkinParts& divided, Report& report) {
-  const glm::dmat4 from_object = glm::inverse(glm::dmat4(glm::dmat4x3(whole.to_object)));
+// The joints as a pack holds them, joint j with part 1 + j: all or, with a notice, none.
+std::vector<RawJoint> jointsOf(const SourceSkin& skin, const glm::mat4x3& to_object, Report& report) {
+  const glm::dmat4 from_object = glm::inverse(glm::dmat4(glm::dmat4x3(to_object)));
   std::vector<RawJoint> joints;
-  for (std::size_t j = 0; j < whole.skin->joints.size(); ++j) {
-    const SourceSkin::Joint& from = whole.skin->joints[j];
+  for (const SourceSkin::Joint& from : skin.joints) {
     RawJoint& joint = joints.emplace_back();
     joint.name = from.name;
     joint.parent = from.parent;
     const glm::dmat4 bind = from.inverse_bind * from_object;
     joint.inverse_bind = glm::mat4x3(glm::dmat4x3(bind));
-    joint.parts = divided.parts_of_joints[j];
+    joint.parts = {static_cast<std::uint32_t>(joints.size())};
     const double volume = std::abs(glm::determinant(glm::dmat3(bind))),
                  sides = glm::length(glm::dvec3(bind[0])) * glm::length(glm::dvec3(bind[1])) *
                          glm::length(glm::dvec3(bind[2]));
@@ -72,82 +44,66 @@ std::vector<RawJoint> jointsOf(const SourcePart& whole, const SkinParts& divided
   return joints;
 }
 
-// The whole's line becomes one for each part; the mesh and its repairs stay in the first.
-void reportParts(const std::vector<SourcePart>& parts, Report& report) {
-  Report::Part whole = std::move(report.parts.front());
-  report.parts.clear();
-  for (const SourcePart& part : parts) {
-    Report::Part& line = report.parts.emplace_back();
-    if (report.parts.size() == 1) line = whole;
-    line.name = part.name;
-    line.rig_origin = part.rig_origin;
-    line.fill = whole.fill;
-    line.closed = whole.closed;
-    line.voxel_size = whole.voxel_size;
-    line.size = part.grid->size;
-    line.parent_at = part.rig.parent_at;
-    for (const RigDescription::Socket& socket : part.rig.sockets) line.sockets.push_back(socket.name);
-    line.swept = part.rig.bend == Bend::kSweep;
-    line.caged = part.rig.caged;
-    line.solid_voxels = countSolid(*part.grid);
-    line.surface_voxels = part.grid->surface.size();
-    if (part.parent >= 0) line.parent = parts[static_cast<std::size_t>(part.parent)].name;
-  }
+// An empty part that moves as a joint does. Its box is the body's, longer where sockets need it.
+SourcePart jointPart(SkinJoint joint, const SourcePart& body) {
+  SourcePart part;
+  part.name = std::move(joint.name);
+  if (part.name == body.name) part.name += ".joint";
+  part.parent = joint.parent < 0 ? -1 : 1 + joint.parent;
+  part.to_object = body.to_object;
+  part.pivot = glm::mat4x3(glm::dmat4x3(glm::dmat4(glm::dmat4x3(body.to_object)) * glm::dmat4(joint.pivot)));
+  part.rig = std::move(joint.rig);
+  part.rig.bend = Bend::kShear;
+  part.rig_origin = body.rig_origin;
+  VoxelGrid& box = part.grid.emplace();
+  box.size = body.grid->size + glm::ivec3(0, joint.grow.x + joint.grow.y, 0);
+  box.to_node = body.grid->to_node;
+  box.to_node[3] = body.grid->to_node * glm::vec4(0, static_cast<float>(-joint.grow.x), 0, 1);
+  return part;
+}
+
+void giveOuterRig(const OuterRig& outer, const std::optional<Bend>& bend, SourcePart& part) {
+  const RigDescription* const given = outer.file.find(part.name);
+  if (!given) return;
+  part.rig = *given;
+  part.rig_origin = outer.origin;
+  if (!part.rig.bend) part.rig.bend = bend.value_or(kDefaultBend);
 }
 
 }  // namespace
 
-void requirePlan(const SourcePart& part, const std::filesystem::path& input) {
-  try {
-    if (!part.rig.skin.empty()) checkSkinRig(part);
-  } catch (const RigError& error) {
-    throw ToolError(Exit::kInvalid,
-                    fmt::format("{} ({}): {}", partPlace(input, part), part.rig_origin, error.what()));
-  }
-}
-
-DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
+SkinnedBody divideSkinnedPart(SourceModel& model, const Frame& frame, const Settings& settings, int threads,
                               const Progress& progress, Report& report) {
-  const SourcePart whole = std::move(model.parts.front());
-  SkinParts divided = divideSkin(model, whole, frame, *whole.grid, threads, progress);
-  DividedSkin out{std::move(divided.fits), std::move(divided.sockets), infoOf(divided.parts, model.outer),
-                  jointsOf(whole, divided, report)};
-  std::ranges::move(divided.notices, std::back_inserter(report.notices));
-  model.parts.clear();
-  for (SkinPart& its : divided.parts) {
-    SourcePart& part = model.parts.emplace_back();
-    part.name = std::move(its.name);
-    part.parent = its.parent;
-    part.to_object = whole.to_object;
-    part.pivot = movedTo(whole.pivot, its.pivot);
-    part.rig_origin = whole.rig_origin;
-    if (const RigDescription* given = model.outer ? model.outer->file.find(part.name) : nullptr) {
-      its.rig = *given;
-      part.rig_origin = model.outer->origin;
-    }
-    part.rig = std::move(its.rig);
-    if (!part.rig.bend) part.rig.bend = its.swept ? Bend::kSweep : whole.rig.bend;
+  SourcePart& body = model.parts.front();
+  SourceSkin skin = *std::exchange(body.skin, std::nullopt);
+  SkinCage made = cageOfSkin(std::exchange(body.soup, {}), skin, frame, *body.grid, settings.cell.value_or(0),
+                             levelCount(body.grid->size, settings.levels), threads, progress);
+  std::ranges::move(made.notices, std::back_inserter(report.notices));
+  SkinnedBody out{std::move(made.fits), made.cell, std::move(made.cages), std::move(made.influences),
+                  jointsOf(skin, body.to_object, report)};
+  for (Influences& node : out.influences)
+    for (int i = 0; i < 4; ++i)
+      if (node.weights[i] != 0) ++node.parts[i];
+  std::vector<SourcePart> joints;
+  for (SkinJoint& joint : made.joints) joints.push_back(jointPart(std::move(joint), body));
+  if (model.outer)
+    for (SourcePart& part : joints) giveOuterRig(*model.outer, settings.bend, part);
+  std::ranges::move(joints, std::back_inserter(model.parts));
+  for (const SourcePart& part : model.parts)
     if (part.rig.parent_at >= 0 && part.parent >= 0)
       model.parts[static_cast<std::size_t>(part.parent)].carries = true;
-    part.grid = std::move(its.grid);
-  }
-  // A swept part has room beside its voxels already; more would make it fold sooner.
-  for (SourcePart& part : model.parts)
-    if (part.rig.bend != Bend::kSweep) padGrid(*part.grid, paddingOf(part, pad));
-  reportParts(model.parts, report);
   return out;
 }
 
-void countSkin(const SourceSkin& skin, PartSize& size) {
-  // The most that real files have (README.md of tools/skin).
-  constexpr double kMoreSurface = 2, kMoreVoxels = 2;
-  size.source_bytes = skinBytes(size.voxels(), skin.joints.size()) + kMoreVoxels * size.voxels();
-  size.surface_voxels = std::min(kMoreSurface * size.surface_voxels, kMoreVoxels * size.voxels());
+void limitSkin(SourceModel& model, Report& report) {
+  limitJoints(*model.parts.front().skin, kMostJoints, report.notices);
 }
 
-void reportFits(const DividedSkin& divided, const Frame& frame, Report& report) {
-  const std::vector<SkinFit>& fits = divided.fits;
-  const double poor = kPoorFit * std::max({frame.size.x, frame.size.y, frame.size.z});
+void countSkin(const SourceSkin& skin, PartSize& size) {
+  size.source_bytes = skinBytes(size.voxels(), skin.joints.size());
+}
+
+void reportFits(const std::vector<SkinFit>& fits, Report& report) {
   std::map<std::string, const SkinFit*> by_clip;
   for (const SkinFit& fit : fits) by_clip[fit.clip] = &fit;
   for (Report::Clip& clip : report.clips)
@@ -156,18 +112,11 @@ void reportFits(const DividedSkin& divided, const Frame& frame, Report& report) 
       clip.fit = {its.mean, its.p95, its.max, found->second->joint};
     }
   for (const SkinFit& fit : fits)
-    if (fit.distances.p95 > poor)
+    if (fit.distances.p95 > kPoorFit)
       report.notices.push_back(fmt::format(
-          "clip '{}': a twentieth of the surface is more than {:.1f} voxels from where the skin "
-          "would draw it, most ({:.1f}) at joint '{}'; rigid parts do not follow it closely there",
+          "clip '{}': a twentieth of the surface is more than {:.1f} voxels from where the skin would draw "
+          "it, most ({:.1f}) at joint '{}'; smaller cells (--cell) follow the skin more closely",
           fit.clip, fit.distances.p95, fit.distances.max, fit.joint));
-  for (const SocketFit& fit : divided.sockets)
-    if (fit.most > poor)
-      report.notices.push_back(
-          fmt::format("socket '{}' is up to {:.1f} voxels from where its joint takes it in clip '{}': it "
-                      "moves by itself, "
-                      "and here with part '{}'",
-                      fit.socket, fit.most, fit.clip, fit.part));
 }
 
 }  // namespace kelp::bake

@@ -30,27 +30,28 @@ PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& 
 // too long.
 bool isPile(const PartSize& part);
 
-// A part that bends by joints becomes rigid parts that move.
-struct DividedSkin {
-  std::vector<SkinFit> fits;       // how well the new parts follow the skin, for each clip
-  std::vector<SocketFit> sockets;  // and their sockets
-  std::string info;                // JSON: what a pack says of its parts, INFO's "skin"
-  std::vector<RawJoint> joints;    // none where one of them cannot be stored
+// A part that bends by joints: its cage, and the joints that the nodes follow.
+struct SkinnedBody {
+  std::vector<SkinFit> fits;  // how well the cage follows the skin, for each clip
+  int cell = 0;
+  std::vector<RawCage> cages;
+  std::vector<Influences> influences;  // joint j is part 1 + j
+  std::vector<RawJoint> joints;        // none where one of them cannot be stored
 };
 
-// ToolError kInvalid if the rig asks for parts that the skin cannot have.
-void requirePlan(const SourcePart& part, const std::filesystem::path& input);
+// Leaves out joints of the model's first part if it has more than a pack can have parts.
+void limitSkin(SourceModel& model, Report& report);
 
-// Replaces the model's first part, whose voxels are made, and its line of the report.
-DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
+// Makes the cage of the model's first part, whose voxels are made in `frame`, and appends an empty part for
+// each joint.
+SkinnedBody divideSkinnedPart(SourceModel& model, const Frame& frame, const Settings& settings, int threads,
                               const Progress& progress, Report& report);
 
-// Adds what a skin needs to the size of its part: the division itself, and parts that have cuts and voxels of
-// their neighbors beside the surface.
+// Adds what the cage of a skin needs to the size of its part.
 void countSkin(const SourceSkin& skin, PartSize& size);
 
-// Adds how well clips fit to the report, and a notice for those that do not fit well. `frame` is the whole's.
-void reportFits(const DividedSkin& divided, const Frame& frame, Report& report);
+// Adds how well clips fit to the report, and a notice for those that do not fit well.
+void reportFits(const std::vector<SkinFit>& fits, Report& report);
 
 // ToolError kInvalid, with the names of the parts there are, if the outer rig has a rig for another part.
 void requireRiggedParts(const SourceModel& model, const ImportSettings& settings,
@@ -65,7 +66,7 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
 // parts' sizes.
 void checkCages(const SourceModel& model, const RawPack& pack, const Settings& settings,
                 const std::filesystem::path& input);
-// Builds them from the voxels. ToolError if they are more than a reader takes by default.
+// Builds those that are missing from the voxels. ToolError if they are more than a reader takes by default.
 void addCages(SourceModel& model, const Settings& settings, const Progress& progress,
               const std::filesystem::path& input, RawPack& pack);
 
@@ -80,9 +81,9 @@ RawFog fogLook(const FogGrid& grid, const std::vector<glm::vec3>& ramp);
 // The pack's INFO: tool version, source name and hash, the options that change content, and the other files
 // it was made of by their names beside the source: a hash, or null where one was looked for in vain. Nothing
 // that differs between two bakes of the same input: no place, time or number of threads.
-// `pack`: has the places of the model's parts. `skin`: JSON, what became of a skin; empty: there was none.
+// `pack`: has the places of the model's parts.
 std::string makeInfo(const std::filesystem::path& input, const SourceModel& model, const RawPack& pack,
-                     bool volume, const Settings& settings, const FilesUsed& used, const std::string& skin);
+                     bool volume, const Settings& settings, const FilesUsed& used);
 
 // STEM.rig.json, which is taken where no rig is asked for.
 std::filesystem::path rigBeside(const std::filesystem::path& input);

@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "kelp/common/dense_index.h"
 #include "kelp/formats/cage.h"
 
 namespace kelp::fields {
@@ -46,8 +47,11 @@ void findInside(CageLattice& lattice) {
 
 class Finest {
  public:
-  Finest(const SolidBits& solid, int side)
-      : solid_(solid), side_(side), lattice_(emptyLattice(solid.size(), side)) {}
+  Finest(const SolidBits& solid, int side, std::span<const std::uint16_t> labels)
+      : solid_(solid), side_(side), labels_(labels), lattice_(emptyLattice(solid.size(), side)) {
+    lattice_.labeled = !labels.empty();
+    if (lattice_.labeled) label_of_.resize(lattice_.pieces.size());
+  }
 
   CageLattice make() {
     lattice_.forEachCube([&](const glm::ivec3& at) { findPieces(at); });
@@ -59,9 +63,15 @@ class Finest {
   }
 
  private:
-  struct Run {  // of solid voxels in a row of a cube
+  struct Run {  // of solid voxels of one label in a row of a cube
     int begin, end;
+    std::uint16_t label = 0;
   };
+
+  // Of the voxel x of a row of a cube. Only if voxels have labels.
+  std::uint16_t labelAt(const glm::ivec3& cube, int row, int x) const {
+    return labels_[denseIndex(solid_.size(), side_ * cube + glm::ivec3(x, row % side_, row / side_))];
+  }
 
   // A row of a cube, a bit a voxel.
   std::uint32_t row(const glm::ivec3& cube, int y, int z) const {
@@ -85,18 +95,11 @@ class Finest {
     }
     if (any == 0) return;
     lattice_.pieces[cube] = 1;
-    if (full == all) lattice_.touches[cube] = CageLattice::kFull;
-    if (full == all || side_ == 2) return;
-    runs_.clear();
-    first_.assign(1, 0);
-    for (std::uint32_t bits : rows_) {
-      while (bits != 0) {
-        const int begin = std::countr_zero(bits), end = begin + std::countr_one(bits >> begin);
-        runs_.push_back({begin, end});
-        bits &= ~((1u << end) - 1);
-      }
-      first_.push_back(runs_.size());
+    if (lattice_.labeled ? hasOneLabel(at) : full == all || side_ == 2) {
+      if (full == all) lattice_.touches[cube] = CageLattice::kFull;
+      if (full == all || side_ == 2) return;
     }
+    findRuns(at);
     joinRuns();
     const int pieces = classes_.number(kMostPieces, number_);
     if (pieces == 1) return;
@@ -111,6 +114,43 @@ class Finest {
               number_[i];
   }
 
+  // True if all voxels of the cube, of which `rows_` has the rows, have its first one's label.
+  bool hasOneLabel(const glm::ivec3& at) {
+    bool first = true;
+    std::uint16_t& label = label_of_[lattice_.index(at)];
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      for (std::uint32_t bits = rows_[r]; bits != 0; bits &= bits - 1) {
+        const std::uint16_t its = labelAt(at, static_cast<int>(r), std::countr_zero(bits));
+        if (first) label = its;
+        if (label != its) return false;
+        first = false;
+      }
+    }
+    return true;
+  }
+
+  // Of `rows_`.
+  void findRuns(const glm::ivec3& at) {
+    runs_.clear();
+    first_.assign(1, 0);
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      for (std::uint32_t bits = rows_[r]; bits != 0;) {
+        const int begin = std::countr_zero(bits);
+        int end = begin + std::countr_one(bits >> begin);
+        std::uint16_t label = 0;
+        if (lattice_.labeled) {
+          label = labelAt(at, static_cast<int>(r), begin);
+          int same = begin + 1;
+          while (same < end && labelAt(at, static_cast<int>(r), same) == label) ++same;
+          end = same;
+        }
+        runs_.push_back({begin, end, label});
+        bits &= ~((1u << end) - 1);
+      }
+      first_.push_back(runs_.size());
+    }
+  }
+
   // Runs in the order of their first voxels, joined where they touch.
   void joinRuns() {
     classes_.reset(runs_.size());
@@ -118,7 +158,9 @@ class Finest {
       const auto a = static_cast<std::size_t>(row), b = static_cast<std::size_t>(other);
       for (std::size_t i = first_[a]; i < first_[a + 1]; ++i)
         for (std::size_t j = first_[b]; j < first_[b + 1]; ++j)
-          if (runs_[i].begin <= runs_[j].end && runs_[j].begin <= runs_[i].end) classes_.join(i, j);
+          if (runs_[i].begin <= runs_[j].end && runs_[j].begin <= runs_[i].end &&
+              runs_[i].label == runs_[j].label)
+            classes_.join(i, j);
     };
     for (int z = 0; z < side_; ++z) {
       for (int y = 0; y < side_; ++y) {
@@ -159,6 +201,7 @@ class Finest {
       const std::uint32_t other = lattice_.index(at + to);
       if (lattice_.pieces[other] == 0) continue;
       const bool one = lattice_.pieces[cube] == 1 && lattice_.pieces[other] == 1;
+      if (one && lattice_.labeled && label_of_[cube] != label_of_[other]) continue;
       bool touch = one && (lattice_.touches[cube] & lattice_.touches[other] & CageLattice::kFull) != 0;
       if (!touch && one) {
         forEachRows(at, to, [&](int, std::uint32_t here, int, std::uint32_t there) {
@@ -186,8 +229,10 @@ class Finest {
       for (; here != 0; here &= here - 1) {
         const int x = std::countr_zero(here);
         for (std::uint32_t hit = reached(1u << x, to.x) & there; hit != 0; hit &= hit - 1) {
+          const int its = std::countr_zero(hit);
+          if (lattice_.labeled && labelAt(at, row, x) != labelAt(at + to, other_row, its)) continue;
           const std::uint64_t a = labels ? labels[row * side_ + x] : 0,
-                              b = others ? others[other_row * side_ + std::countr_zero(hit)] : 0;
+                              b = others ? others[other_row * side_ + its] : 0;
           pairs_.push_back((std::uint64_t{cube} << 4 | static_cast<std::uint64_t>(direction)) << 16 | a << 8 |
                            b);
         }
@@ -205,7 +250,9 @@ class Finest {
 
   const SolidBits& solid_;
   int side_;
+  std::span<const std::uint16_t> labels_;
   CageLattice lattice_;
+  std::vector<std::uint16_t> label_of_;  // of each cube that has one label
   std::vector<std::uint32_t> rows_;
   std::vector<Run> runs_;
   std::vector<std::size_t> first_;  // run of each row
@@ -219,6 +266,7 @@ class Coarser {
   Coarser(const CageLattice& finer, const glm::ivec3& size, int side)
       : finer_(finer), lattice_(emptyLattice(size, side)) {
     lattice_.ratio = side / finer.side;
+    lattice_.labeled = finer.labeled;
   }
 
   CageLattice make() {
@@ -244,10 +292,9 @@ class Coarser {
     });
     if (cells == 0) return;
     lattice_.pieces[cube] = 1;
-    if (full == lattice_.ratio * lattice_.ratio * lattice_.ratio) {
-      lattice_.touches[cube] = CageLattice::kFull;
-      return;
-    }
+    const bool is_full = full == lattice_.ratio * lattice_.ratio * lattice_.ratio;
+    if (is_full) lattice_.touches[cube] = CageLattice::kFull;
+    if (is_full && !lattice_.labeled) return;
     classes_.reset(cells);
     const glm::ivec3 low = lattice_.ratio * at, some = glm::min(finer_.grid - low, lattice_.ratio);
     std::size_t here = 0;
@@ -265,6 +312,7 @@ class Coarser {
     const int pieces = classes_.number(kMostPieces, number_);
     if (pieces == 1) return;
     lattice_.pieces[cube] = static_cast<std::uint8_t>(pieces);
+    lattice_.touches[cube] = 0;
     lattice_.divided.push_back({cube, lattice_.labels.size()});
     lattice_.labels.insert(lattice_.labels.end(), number_.begin(), number_.end());
   }
@@ -311,7 +359,9 @@ class Coarser {
 
 }  // namespace
 
-CageLattice finestLattice(const SolidBits& solid, int side) { return Finest(solid, side).make(); }
+CageLattice finestLattice(const SolidBits& solid, int side, std::span<const std::uint16_t> labels) {
+  return Finest(solid, side, labels).make();
+}
 
 CageLattice coarserLattice(const CageLattice& finer, const glm::ivec3& size, int side) {
   return Coarser(finer, size, side).make();

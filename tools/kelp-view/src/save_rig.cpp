@@ -28,11 +28,9 @@ std::optional<RigFile> readRigs(const std::string& path) {
 RigFile merged(std::optional<RigFile> old, const RigEditor& editor, int part) {
   RigFile file;
   if (old) {
-    if (old->parts.empty() && old->whole.skin.empty())
+    if (old->parts.empty())
       throw RigError("it holds one rig for a whole file, not rigs of parts: name another file, or remove it");
     file = *std::move(old);
-  } else if (editor.rigged().skin_asked) {
-    file.whole = editor.rigged().skin;  // or else the next bake would not divide it
   }
   for (int other = 0; other < editor.parts(); ++other)
     if (other != part && editor.name(other) == editor.name(part))

@@ -74,10 +74,9 @@ RigFile describeParts(const Pack& pack, const RiggedPack& rigged) {
     for (auto& [part, share] : splitByPart(clip)) clips[part].push_back(std::move(share));
   for (RawSocket& socket : rawSockets(pack)) sockets[socket.part].push_back(std::move(socket));
   RigFile file;
-  file.whole = rigged.skin;
   for (std::uint32_t i = 0; i < pack.parts().size(); ++i) {
     const Part& part = pack.parts()[i];
-    if (rigged.skin.skin.empty() || rigged.given[i])
+    if (rigged.given[i])
       file.parts.push_back(
           {std::string(part.name), describeRig(restRig(part), clips[i], i, rigged.axes[i], sockets[i])});
   }

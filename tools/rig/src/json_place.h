@@ -59,16 +59,14 @@ glm::vec4 readRotation(const Place& place);  // unit quaternion x, y, z, w
 
 const char* kindOf(const Json& json);
 
-// A rig: of a whole file, of a node (extras.kelp), or of a part in the rig file, which divides no skin and
-// needs no version.
+// A rig: of a whole file, of a node (extras.kelp), or of a part in the rig file, which needs no version.
 enum class RigPlace { kFile, kNode, kPart };
 RigDescription readRig(const Place& place, RigPlace stands);
 void requireVersion(const Place& place);
+// RigError for the member by which rigs once divided skins.
+void refuseSkin(const Place& place);
 
 // Sockets by name. The rig's axis has been read.
 void readSockets(const Place& place, RigDescription& rig);
-
-// The members that divide a skin.
-void readSkin(const Place& place, RigDescription& rig);
 
 }  // namespace kelp::rig

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// JSON -> RigDescription: knots and clips; sockets in sockets.cpp, skins in parse_skin.cpp.
+// JSON -> RigDescription: knots and clips; sockets in sockets.cpp.
 #include <array>
 #include <cmath>
 #include <utility>
@@ -241,24 +241,22 @@ void requireVersion(const Place& place) {
                       " of the rig language; write \"kelp\": 1, or update kelp if the rig is newer");
 }
 
+void refuseSkin(const Place& place) {
+  if (place.has("skin"))
+    fail(
+        place.at("skin"),
+        "a skin is not divided any more: its joints are parts, and one cage follows them. Take \"skin\" out; "
+        "to move a joint otherwise, give it a rig by its name under \"parts\"");
+}
+
 RigDescription readRig(const Place& place, RigPlace stands) {
-  static constexpr std::array<std::string_view, 11> kKeys{
-      "kelp", "axis", "knots", "clips", "sockets", "parent_at", "bend", "cell", "roll", "skin", "parts"};
+  static constexpr std::array<std::string_view, 10> kKeys{"kelp",      "axis", "knots", "clips", "sockets",
+                                                          "parent_at", "bend", "cell",  "roll",  "parts"};
+  refuseSkin(place);
   // "parts" is read in parse_rig_file.cpp.
-  requireObject(place, std::span(kKeys).first(stands == RigPlace::kPart   ? 9
-                                              : stands == RigPlace::kNode ? 10
-                                                                          : 11));
+  requireObject(place, std::span(kKeys).first(stands == RigPlace::kFile ? 10 : 9));
   if (stands != RigPlace::kPart || place.has("kelp")) requireVersion(place);
   RigDescription rig;
-  if (place.has("skin")) {
-    for (const auto& member : place.json.items())
-      if (member.key() != "kelp" && member.key() != "skin")
-        fail(place.at(member.key()),
-             "a rig with \"skin\" has no '" + member.key() +
-                 "': the file's joints and animations move its parts; take one of the two out");
-    readSkin(place.at("skin"), rig);
-    return rig;
-  }
   if (place.has("axis")) {
     const Place axis = place.at("axis");
     if (axis.json.is_string()) rig.axis = parseAxis(axis.json.get_ref<const std::string&>());

@@ -33,7 +33,7 @@ const RigDescription* RigFile::find(std::string_view part) const {
 }
 
 RigFile parseRigFile(std::string_view text) {
-  static constexpr std::array<std::string_view, 3> kKeys{"kelp", "skin", "parts"};
+  static constexpr std::array<std::string_view, 2> kKeys{"kelp", "parts"};
   static constexpr std::array<std::string_view, 7> kOfParts{"axis",      "knots", "clips", "sockets",
                                                             "parent_at", "bend",  "roll"};
   const Json json = parseJson(text);
@@ -46,9 +46,9 @@ RigFile parseRigFile(std::string_view text) {
   for (const std::string_view key : kOfParts)
     if (json.contains(key))
       fail(place.at(std::string(key)), "beside \"parts\" it belongs to no part; move it into a part's rig");
+  refuseSkin(place);
   requireObject(place, kKeys);
   requireVersion(place);
-  if (place.has("skin")) readSkin(place.at("skin"), file.whole);
   file.parts = readParts(place.at("parts"));
   return file;
 }

@@ -135,15 +135,6 @@ std::string socketText(const RigDescription::Socket& socket) {
   return line + "}";
 }
 
-std::string groupLine(const RigDescription::SkinGroup& group) {
-  std::string line;
-  for (const std::string& joint : group.joints) line += (line.empty() ? "" : ", ") + inQuotes(joint);
-  line = "{\"joints\": [" + line + "]";
-  if (group.knots > 0) line += ", \"knots\": " + std::to_string(group.knots);
-  if (group.pieces != 1) line += ", \"pieces\": " + std::to_string(group.pieces);
-  return line + "}";
-}
-
 // All but the version.
 std::vector<std::string> membersOf(const RigDescription& rig) {
   std::vector<std::string> members;
@@ -167,11 +158,6 @@ std::vector<std::string> membersOf(const RigDescription& rig) {
   if (rig.bend) members.push_back(std::string("\"bend\": \"") + toString(*rig.bend, rig.caged) + "\"");
   if (rig.cell != 0) members.push_back("\"cell\": " + std::to_string(rig.cell));
   if (rig.roll != 0) members.push_back("\"roll\": " + degrees(rig.roll));
-  if (!rig.skin.empty()) {
-    std::vector<std::string> lines;
-    for (const auto& group : rig.skin) lines.push_back(groupLine(group));
-    members.push_back("\"skin\": {\"parts\": [" + join(lines, "    ") + "]}");
-  }
   return members;
 }
 

@@ -3,44 +3,33 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
+
+#include "kelp/rig/rig.h"
+#include "rigid.h"
 
 namespace kelp::bake {
 
-// Keys are inserted where the error is worst until it is small everywhere, then those that are not needed are
-// taken out. error(i, a, b) is that at time i between keys at a and b; if a equals b, the value is the same
-// all the time.
-std::vector<std::size_t> chooseKeys(
-    std::size_t count, double tolerance,
-    const std::function<double(std::size_t, std::size_t, std::size_t)>& error);
+// The motion of a joint within its pivot at all times of a clip, and what an error of it moves how far.
+struct KeyedMotion {
+  std::vector<Trs> poses;          // neighbors have quaternions of one sign
+  std::vector<glm::dmat3> spread;  // pivot space -> the model's, as the joints above have it then
+  std::size_t points = 0;
+  // Of time t and point i at [t * points + i]: what the joint moves, in pivot space, before it does.
+  std::vector<glm::dvec3> places;
 
-// The multiple of a power of two nearest to the value; the power is at most `step`. Keys have no more digits
-// than they need, and so take fewer bytes in a pack.
-float roundedKey(double value, double step);
-
-// How far time i is on the way from time a to time b; 0 if these are one.
-double shareOf(const std::vector<float>& times, std::size_t i, std::size_t a, std::size_t b);
-
-// The motion of a part within its pivot at all times.
-struct RigidMotion {
-  std::vector<glm::dquat> turns;  // neighbors have one sign
-  std::vector<double> scales;
-  std::vector<glm::dvec3> shifts;
+  double reach() const;  // the farthest place from the pivot, as it is spread then
+  double size() const;   // the most that `spread` makes of a unit
 };
 
-RigidMotion motionAbout(const std::vector<glm::dmat4x3>& local, const glm::dvec3& pivot);
+// The tracks of a joint: as few keys as keep each of the points within `tolerance` at all times. Tracks that
+// change nothing are left out.
+std::vector<RigDescription::Track> chooseTracks(const KeyedMotion& motion, const std::vector<float>& times,
+                                                double tolerance);
 
-// The keys of a part; `tolerance` for all tracks together, `of_turns` of it for the rotations alone.
-struct KeyChoice {
-  std::vector<std::size_t> turns, scales, shifts;
-  std::size_t size() const { return turns.size() + scales.size() + shifts.size(); }
-};
-
-KeyChoice chooseTracks(const RigidMotion& motion, const std::vector<float>& times,
-                       const std::vector<glm::dvec3>& points, double tolerance, double of_turns);
+// The motion of these tracks at a time, as the runtime has it.
+Trs motionOfTracks(const std::vector<RigDescription::Track>& tracks, double time);
 
 }  // namespace kelp::bake

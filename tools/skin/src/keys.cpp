@@ -2,323 +2,268 @@
 #include "keys.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
-#include "collapse.h"
-#include "kelp/import/core/source_model.h"
+#include "kelp/common/parallel.h"
 #include "key_choice.h"
-#include "rigid.h"
-#include "sweep.h"
-#include "sweep_fit.h"
 
 namespace kelp::bake {
 namespace {
 
-using Track = RigDescription::Track;
+// Points by which the keys of a joint are chosen: those farthest out in so many directions.
+constexpr std::array<glm::dvec3, 14> kDirections{{{1, 0, 0},
+                                                  {-1, 0, 0},
+                                                  {0, 1, 0},
+                                                  {0, -1, 0},
+                                                  {0, 0, 1},
+                                                  {0, 0, -1},
+                                                  {1, 1, 1},
+                                                  {1, 1, -1},
+                                                  {1, -1, 1},
+                                                  {1, -1, -1},
+                                                  {-1, 1, 1},
+                                                  {-1, 1, -1},
+                                                  {-1, -1, 1},
+                                                  {-1, -1, -1}}};
+constexpr double kLoose = 8;          // joints that move no node
+constexpr double kStill = 1e-9;       // of the size: what moves less does not move
+constexpr double kLeastWeight = 0.1;  // of nodes by which keys are chosen
 
-constexpr double kKnotRounding = 1.0 / 64;  // voxels
-
-// The values of a linear track at a time: the keys around it.
-struct Between {
-  glm::vec4 a{0}, b{0};
-  double share = 0;
+// A place that a joint moves.
+struct Watched {
+  std::uint32_t joint = 0;
+  glm::dvec3 at{0};
 };
 
-Between valuesAt(const RigDescription::Track& track, double time) {
-  const auto after = std::upper_bound(
-      track.keys.begin(), track.keys.end(), time,
-      [](double t, const RigDescription::Key& key) { return t < static_cast<double>(key.time); });
-  if (after == track.keys.begin()) return {track.keys.front().value, track.keys.front().value, 0};
-  if (after == track.keys.end()) return {track.keys.back().value, track.keys.back().value, 0};
-  const RigDescription::Key& before = *(after - 1);
-  return {before.value, after->value,
-          (time - static_cast<double>(before.time)) /
-              (static_cast<double>(after->time) - static_cast<double>(before.time))};
-}
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-// False for a track that moves the part.
-bool movesKnots(const RigDescription::Track& track) {
-  return track.target == Target::kKnotOffset || track.target == Target::kKnotTangent;
-}
-
-// Adds tracks that keep each knot, and the section there, within `tolerance` voxels of the poses at the
-// times.
-void addKnotTracks(const SkinSweep& sweep, const std::vector<SkinPose>& poses,
-                   const std::vector<float>& times, double tolerance, RigDescription::Clip& clip) {
-  const double radius = 0.5 * std::max(sweep.size.x, sweep.size.z);
-  for (std::size_t k = 0; k < sweep.knots.size(); ++k)
-    for (const Target target : {Target::kKnotOffset, Target::kKnotTangent}) {
-      // The most that a unit of the value moves: the knot, or the sides of its section.
-      const double reach = target == Target::kKnotOffset ? sweep.height() : radius;
-      std::vector<glm::dvec3> values;
-      double most = 0;
-      for (const SkinPose& pose : poses) {
-        const glm::dvec3 exact(target == Target::kKnotOffset
-                                   ? pose.knots[k].position - sweep.knots[k].position
-                                   : pose.knots[k].tangent - sweep.knots[k].tangent);
-        glm::dvec3& value = values.emplace_back();
-        for (int axis = 0; axis < 3; ++axis) value[axis] = roundedKey(exact[axis], kKnotRounding / reach);
-        most = std::max(most, reach * glm::length(values.back()));
-      }
-      if (most == 0) continue;
-      RigDescription::Track track;
-      track.knot = static_cast<int>(k);
-      track.target = target;
-      const auto error = [&](std::size_t i, std::size_t a, std::size_t b) {
-        return reach * glm::distance(glm::mix(values[a], values[b], shareOf(times, i, a, b)), values[i]);
-      };
-      const std::vector<std::size_t> keys = chooseKeys(times.size(), tolerance, error);
-      for (const std::size_t i : keys)
-        track.keys.push_back(
-            {keys.size() == 1 ? 0.0f : times[i], glm::vec4(glm::vec3(values[i]), 0), {}, {}});
-      clip.tracks.push_back(std::move(track));
-    }
-}
-
-// The knots at a time of the clip.
-std::vector<Knot> knotsAt(const SkinSweep& sweep, const RigDescription::Clip& clip, double time) {
-  std::vector<Knot> knots = sweep.knots;
-  for (const RigDescription::Track& track : clip.tracks) {
-    if (!movesKnots(track)) continue;
-    const Between at = valuesAt(track, time);
-    const glm::vec3 value(glm::mix(at.a, at.b, static_cast<float>(at.share)));
-    Knot& knot = knots[static_cast<std::size_t>(track.knot)];
-    (track.target == Target::kKnotOffset ? knot.position : knot.tangent) += value;
-  }
-  return knots;
-}
-
-// The samples of a part that are farthest out, in many directions, seen from its pivot. A rigid motion moves
-// none much farther than these.
-std::vector<glm::dvec3> outermost(const SkinSamples& samples, const std::vector<std::uint32_t>& members,
-                                  const glm::dvec3& pivot) {
-  std::vector<std::uint32_t> found;
-  constexpr int kDirections = 40;
-  for (int k = 0; k < kDirections; ++k) {
-    // A spiral over the sphere.
-    const double y = 1 - (k + 0.5) * 2 / kDirections, round = std::sqrt(1 - y * y),
-                 turn = 2.399963229728653 * k;
-    const glm::dvec3 direction(round * std::cos(turn), y, round * std::sin(turn));
-    std::uint32_t best = members.front();
-    for (const std::uint32_t i : members)
-      if (glm::dot(direction, samples.positions[i]) > glm::dot(direction, samples.positions[best])) best = i;
-    found.push_back(best);
-  }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  std::vector<glm::dvec3> points;
-  for (const std::uint32_t i : found) points.push_back(samples.positions[i] - pivot);
-  return points;
-}
-
-constexpr double kKeyRounding = 1.0 / 64;  // units
-
-// From the space of the samples, whose axes may be turned, to the soup's.
-struct KeySpace {
-  glm::dmat3 turn;  // soup <- units, a rotation
-  double unit;      // in lengths of the soup
-  double voxels;    // a unit's
-  explicit KeySpace(const SkinSpace& space)
-      : turn(space.to_soup),
-        unit(std::cbrt(std::abs(glm::determinant(glm::dmat3(space.to_soup))))),
-        voxels(space.voxels) {
-    turn /= unit;
-  }
-  // Rounded: turns to half of 1/128 at the far end of the box, shifts to half of 1/128 of a unit.
-  glm::vec4 keyOf(const glm::dquat& q) const {
-    const glm::dvec3 axis = turn * glm::dvec3(q.x, q.y, q.z);
-    const auto round = [](double v) { return roundedKey(v, kKeyRounding / kSkinSide); };
-    return {round(axis.x), round(axis.y), round(axis.z), round(q.w)};
-  }
-  glm::vec4 keyOf(const glm::dvec3& shift) const {
-    const glm::dvec3 at = unit * (turn * shift);
-    const auto round = [&](double v) { return roundedKey(v, kKeyRounding * unit); };
-    return {round(at.x), round(at.y), round(at.z), 0};
-  }
-  // A factor, less one, as rigs have it.
-  glm::vec4 keyOf(double scale) const {
-    const float key = roundedKey(scale - 1, kKeyRounding / kSkinSide);
-    return {key, key, key, 0};
-  }
-  glm::dquat turnOf(const glm::vec4& key) const {
-    const glm::dvec3 axis = glm::transpose(turn) * glm::dvec3(glm::vec3(key));
-    return {static_cast<double>(key.w), axis.x, axis.y, axis.z};
-  }
-  glm::dvec3 shiftOf(const glm::vec4& key) const {
-    return glm::transpose(turn) * glm::dvec3(glm::vec3(key)) / unit;
-  }
-};
-
-// A track that changes nothing is left out.
-template <class Values>
-void addTrack(RigDescription::Clip& clip, Target target, const std::vector<std::size_t>& keys,
-              const std::vector<float>& times, const Values& values, const KeySpace& space, bool still) {
-  if (still) return;
-  Track track;
-  track.target = target;
-  for (const std::size_t i : keys)
-    track.keys.push_back({keys.size() == 1 ? 0.0f : times[i], space.keyOf(values[i]), {}, {}});
-  clip.tracks.push_back(std::move(track));
-}
-
-glm::dmat4x3 localAt(const RigDescription::Clip& clip, const glm::dvec3& pivot, const KeySpace& space,
-                     double time) {
-  glm::dquat turn(1, 0, 0, 0);
-  glm::dvec3 shift(0);
-  double scale = 1;
-  for (const Track& track : clip.tracks) {
-    const Between at = valuesAt(track, time);
-    if (movesKnots(track)) continue;
-    if (track.target == Target::kPartRotation)
-      turn = slerpShort(space.turnOf(at.a), space.turnOf(at.b), at.share);
-    else if (track.target == Target::kPartScale)
-      scale = 1 + glm::mix(static_cast<double>(at.a.x), static_cast<double>(at.b.x), at.share);
-    else
-      shift = glm::mix(space.shiftOf(at.a), space.shiftOf(at.b), at.share);
-  }
-  const glm::dmat3 rotation = scale * rotationOf(turn);
-  return rigid(rotation, pivot + shift - rotation * pivot);
-}
-
-// The poses of a part that follow its samples best, at all times.
-std::vector<SkinPose> fitPart(const SkinSamples& samples, const SkinMoments& moments,
-                              const std::vector<std::uint32_t>& members, std::uint32_t joint,
-                              const std::optional<SkinSweep>& sweep) {
-  if (!sweep) {
-    std::vector<SkinPose> poses(moments.size());
-    const std::vector<glm::dmat4x3> motions = fitMotions(samples, moments, members, joint);
-    for (std::size_t t = 0; t < motions.size(); ++t) poses[t].motion = motions[t];
-    return poses;
-  }
-  // If they fold, so does the clip, and the part will be rigid.
-  return SweepFit(samples, *sweep, members).poses(moments, 1).of_moments;
-}
-
-// How far two poses of a part are apart: of rigid parts at the farthest of their samples, of swept ones at
-// the farthest knot.
-double apart(const SkinPose& a, const SkinPose& b, const SkinSamples& samples,
-             const std::vector<std::uint32_t>& members, const std::optional<SkinSweep>& sweep) {
-  double most = 0;
-  if (!sweep) {
-    const glm::dmat4x3 off = a.motion - b.motion;
-    for (const std::uint32_t i : members)
-      most = std::max(most, glm::length(off * glm::dvec4(samples.positions[i], 1)));
-    return most;
-  }
-  const auto placeOf = [&](const SkinPose& pose, std::size_t k) {
-    const glm::dvec3 at = sweep->corner() + sweep->height() * glm::dvec3(pose.knots[k].position);
-    return pose.motion * glm::dvec4(sweep->toSkin(at), 1);
-  };
-  for (std::size_t k = 0; k < a.knots.size(); ++k)
-    most = std::max(most, glm::distance(placeOf(a, k), placeOf(b, k)));
-  return most;
-}
-
-// The clip of one part.
-class PartKeys {
+class ClipKeys {
  public:
-  PartKeys(const SkinSamples& samples, const SourceSkin::Clip& clip, const SkinSpace& space,
-           const std::vector<std::uint32_t>& members, const PartTree& tree, std::size_t part)
-      : samples_(samples),
-        clip_(clip),
-        space_(space),
-        members_(members),
-        pivot_(tree.pivots[part]),
-        sweep_(tree.sweeps[part]),
-        points_(outermost(samples, members, pivot_)) {}
+  ClipKeys(const SourceSkin& skin, std::size_t clip, std::span<const glm::dmat4x3> pivots,
+           std::span<const SkinNode> nodes, int threads)
+      : skin_(skin),
+        clip_(skin.clips[clip]),
+        pivots_(pivots),
+        nodes_(nodes),
+        threads_(threads),
+        count_(skin.joints.size()) {
+    for (const glm::dmat4x3& pivot : pivots) to_pivots_.emplace_back(glm::inverse(glm::dmat4(pivot)));
+    measureSize();
+    takeApart();
+    watch();
+    countMoving();
+  }
 
-  // Keys that keep the part within `tolerance` of the wanted poses; `parents`: what it follows, rigid.
-  // `reduced` becomes its poses by these keys.
-  RigDescription::Clip make(const std::vector<SkinPose>& wanted, const std::vector<glm::dmat4x3>& parents,
-                            double tolerance, std::vector<SkinPose>& reduced) const {
-    std::vector<glm::dmat4x3> local;
-    for (std::size_t t = 0; t < wanted.size(); ++t)
-      local.push_back(compose(inverseRigid(parents[t]), wanted[t].motion));
-    const RigidMotion motion = motionAbout(local, pivot_);
-    // The outermost points stand for all, and the first section for a chain; where they do not quite, the
-    // tolerance is less.
-    for (double most = 0.98 * tolerance;; most *= 0.8) {
-      RigDescription::Clip clip = keysOf(motion, (sweep_ ? 0.5 : 1) * most);
-      if (sweep_) addKnotTracks(*sweep_, wanted, clip_.times, 0.8 * most * space_.voxels, clip);
-      reduced.clear();
-      double worst = 0;
-      for (std::size_t t = 0; t < wanted.size(); ++t) {
-        const double time = static_cast<double>(clip_.times[t]);
-        SkinPose& pose = reduced.emplace_back();
-        pose.motion = compose(parents[t], localAt(clip, pivot_, space_, time));
-        if (sweep_) pose.knots = knotsAt(*sweep_, clip, time);
-        worst = std::max(worst, apart(pose, wanted[t], samples_, members_, sweep_));
+  // Chosen with less tolerance for each joint, or more, until all together keep it. Where floats cannot,
+  // those that are nearest.
+  std::vector<std::vector<RigDescription::Track>> make(double tolerance) const {
+    constexpr int kRounds = 4, kMostRounds = 12;
+    std::vector<std::vector<RigDescription::Track>> best;
+    double share = 1.5, least = INFINITY;
+    for (int round = 0; round < (least <= tolerance ? kRounds : kMostRounds); ++round) {
+      std::vector<std::vector<RigDescription::Track>> tracks = tracksFor(share * tolerance);
+      const double worst = farthest(tracks);
+      // Of those that keep it, the last: shares only grow then.
+      if (worst <= tolerance || worst < least) {
+        best = std::move(tracks);
+        least = worst;
       }
-      if (worst <= tolerance || most < 0.1 * tolerance) return clip;
+      if (worst <= tolerance && worst >= 0.85 * tolerance) break;
+      share *= worst > 0 ? std::clamp(0.94 * tolerance / worst, 0.2, 2.0) : 2;
     }
+    return best;
   }
 
  private:
-  RigDescription::Clip keysOf(const RigidMotion& motion, double most) const {
-    KeyChoice choice;
-    for (const double share : {0.8, 0.5, 0.25}) {
-      KeyChoice other = chooseTracks(motion, clip_.times, points_, most, share * most);
-      if (choice.size() == 0 || other.size() < choice.size()) choice = std::move(other);
+  const glm::dmat4x3& local(std::size_t t, std::size_t j) const { return locals_[t * count_ + j]; }
+
+  void measureSize() {
+    glm::dvec3 low(INFINITY), high(-INFINITY);
+    for (const SkinNode& node : nodes_) {
+      low = glm::min(low, node.at);
+      high = glm::max(high, node.at);
     }
-    RigDescription::Clip clip{clip_.name, clip_.duration, {}, {}};
-    const bool turns = choice.turns.size() > 1 || std::abs(motion.turns[choice.turns[0]].w) < 1 - 1e-14;
-    const bool shifts = choice.shifts.size() > 1 || glm::length(motion.shifts[choice.shifts[0]]) > 1e-6;
-    addTrack(clip, Target::kPartTranslation, choice.shifts, clip_.times, motion.shifts, space_, !shifts);
-    addTrack(clip, Target::kPartRotation, choice.turns, clip_.times, motion.turns, space_, !turns);
-    const bool scales = choice.scales.size() > 1 || motion.scales[choice.scales[0]] != 1;
-    addTrack(clip, Target::kPartScale, choice.scales, clip_.times, motion.scales, space_, !scales);
-    return clip;
+    if (!nodes_.empty()) size_ = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
   }
 
-  const SkinSamples& samples_;
+  void takeApart() {
+    poses_.resize(clip_.locals.size());
+    locals_.resize(clip_.locals.size());
+    motions_.resize(clip_.locals.size());
+    std::vector<glm::dquat> at_rest;  // of the nodes that turn, as the pivots have them
+    for (const SourceSkin::Joint& joint : skin_.joints)
+      at_rest.push_back(nearestTrs(glm::dmat4x3(glm::inverse(joint.base) * joint.frame)).rotation);
+    for (std::size_t t = 0; t < clip_.times.size(); ++t)
+      for (std::size_t j = 0; j < count_; ++j) {
+        const std::size_t i = t * count_ + j;
+        poses_[i] = nearestTrs(to_pivots_[j] * glm::dmat4(clip_.locals[i]) * glm::dmat4(pivots_[j]),
+                               glm::conjugate(at_rest[j]) * clip_.turns[i]);
+        const glm::dquat before = t == 0 ? glm::dquat(1, 0, 0, 0) : poses_[i - count_].rotation;
+        if (glm::dot(poses_[i].rotation, before) < 0) poses_[i].rotation = -poses_[i].rotation;
+        locals_[i] = localOf(poses_[i], j);
+        const int parent = skin_.joints[j].parent;
+        motions_[i] = parent < 0 ? locals_[i] : motions_[t * count_ + at(parent)] * glm::dmat4(locals_[i]);
+      }
+  }
+
+  glm::dmat4x3 localOf(const Trs& pose, std::size_t j) const {
+    return pivots_[j] * glm::dmat4(pose.matrix()) * glm::dmat4(to_pivots_[j]);
+  }
+
+  // The nodes by which each joint's keys are chosen: of those that it or joints below it move.
+  void watch() {
+    watched_.resize(count_);
+    for (const SkinNode& node : nodes_)
+      for (std::size_t k = 0; k < 4; ++k)
+        if (node.weights[k] >= kLeastWeight) watched_[node.joints[k]].push_back({node.joints[k], node.at});
+    for (const SourceSkin::Socket& socket : skin_.sockets)
+      watched_[socket.joint].push_back({socket.joint, glm::dvec3(socket.place[3])});
+    loose_.resize(count_);
+    for (std::size_t j = count_; j-- > 0;) {
+      loose_[j] = watched_[j].empty();
+      if (loose_[j]) {
+        constexpr double kReach = 1.0 / 32;
+        const glm::dvec3 middle = pivots_[j][3];
+        for (std::size_t d = 0; d < 6; ++d)
+          watched_[j].push_back({static_cast<std::uint32_t>(j), middle + kReach * size_ * kDirections[d]});
+        continue;
+      }
+      std::vector<Watched> chosen;
+      for (const glm::dvec3& direction : kDirections)
+        chosen.push_back(*std::max_element(watched_[j].begin(), watched_[j].end(),
+                                           [&](const Watched& a, const Watched& b) {
+                                             return glm::dot(direction, a.at) < glm::dot(direction, b.at);
+                                           }));
+      std::vector<Watched> once;
+      for (const Watched& a : chosen)
+        if (std::none_of(once.begin(), once.end(),
+                         [&](const Watched& b) { return a.at == b.at && a.joint == b.joint; }))
+          once.push_back(a);
+      watched_[j] = std::move(once);
+      if (const int parent = skin_.joints[j].parent; parent >= 0)
+        watched_[at(parent)].insert(watched_[at(parent)].end(), watched_[j].begin(), watched_[j].end());
+    }
+  }
+
+  // Errors add up along chains: how many of its joints move.
+  void countMoving() {
+    std::vector<bool> moving(count_, false);
+    for (std::size_t t = 1; t < clip_.times.size(); ++t)
+      for (std::size_t j = 0; j < count_; ++j) {
+        const glm::dmat4x3 off = local(t, j) - local(0, j);
+        const glm::dvec3 middle = pivots_[j][3];
+        double most = glm::length(off * glm::dvec4(middle, 1));
+        for (int axis = 0; axis < 3; ++axis) most = std::max(most, size_ * glm::length(off[axis]));
+        if (most > kStill * size_) moving[j] = true;
+      }
+    std::vector<int> above(count_, 0), below(count_, 0);
+    for (std::size_t j = 0; j < count_; ++j) {
+      const int parent = skin_.joints[j].parent;
+      above[j] = (parent < 0 ? 0 : above[at(parent)]) + (moving[j] ? 1 : 0);
+    }
+    for (std::size_t j = count_; j-- > 0;) {
+      const int parent = skin_.joints[j].parent, its = below[j] + (moving[j] ? 1 : 0);
+      if (parent >= 0 && !loose_[j]) below[at(parent)] = std::max(below[at(parent)], its);
+    }
+    constexpr double kHeld = 0.02;  // one key costs nothing
+    for (std::size_t j = 0; j < count_; ++j)
+      shares_.push_back((loose_[j] ? kLoose : 1) * (moving[j] ? 1.0 / (above[j] + below[j]) : kHeld));
+  }
+
+  KeyedMotion motionOf(std::size_t j) const {
+    KeyedMotion motion;
+    motion.points = watched_[j].size();
+    const int parent = skin_.joints[j].parent;
+    for (std::size_t t = 0; t < clip_.times.size(); ++t) {
+      motion.poses.push_back(poses_[t * count_ + j]);
+      const glm::dmat4x3 from_pivot =
+          parent < 0 ? pivots_[j] : motions_[t * count_ + at(parent)] * glm::dmat4(pivots_[j]);
+      motion.spread.push_back(linearOf(from_pivot));
+      for (const Watched& watched : watched_[j]) {
+        glm::dvec3 place = watched.at;
+        for (std::size_t joint = watched.joint; joint != j; joint = at(skin_.joints[joint].parent))
+          place = local(t, joint) * glm::dvec4(place, 1);
+        motion.places.push_back(to_pivots_[j] * glm::dvec4(place, 1));
+      }
+    }
+    return motion;
+  }
+
+  std::vector<std::vector<RigDescription::Track>> tracksFor(double tolerance) const {
+    std::vector<std::vector<RigDescription::Track>> tracks(count_);
+    parallelRanges(count_, 1, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t j = begin; j < end; ++j)
+        tracks[j] = chooseTracks(motionOf(j), clip_.times, shares_[j] * tolerance);
+    });
+    return tracks;
+  }
+
+  // How far the tracks put any node from where the joints do, at any time.
+  double farthest(const std::vector<std::vector<RigDescription::Track>>& tracks) const {
+    std::vector<double> worst(clip_.times.size(), 0);
+    parallelRanges(worst.size(), 16, threads_, [&](std::size_t begin, std::size_t end) {
+      std::vector<glm::dmat4x3> keyed(count_), off(count_);
+      for (std::size_t t = begin; t < end; ++t) {
+        for (std::size_t j = 0; j < count_; ++j) {
+          const glm::dmat4x3 its = localOf(motionOfTracks(tracks[j], static_cast<double>(clip_.times[t])), j);
+          const int parent = skin_.joints[j].parent;
+          keyed[j] = parent < 0 ? its : keyed[at(parent)] * glm::dmat4(its);
+          off[j] = keyed[j] - motions_[t * count_ + j];
+        }
+        double most = 0;
+        for (const SkinNode& node : nodes_) {
+          glm::dvec3 moved(0);
+          for (std::size_t k = 0; k < 4; ++k)
+            if (node.weights[k] > 0)
+              moved += node.weights[k] * (off[node.joints[k]] * glm::dvec4(node.at, 1));
+          most = std::max(most, glm::dot(moved, moved));
+        }
+        for (const SourceSkin::Socket& socket : skin_.sockets) {
+          const glm::dvec3 moved = off[socket.joint] * glm::dvec4(glm::dvec3(socket.place[3]), 1);
+          most = std::max(most, glm::dot(moved, moved));
+        }
+        worst[t] = std::sqrt(most);
+      }
+    });
+    return *std::max_element(worst.begin(), worst.end());
+  }
+
+  const SourceSkin& skin_;
   const SourceSkin::Clip& clip_;
-  const KeySpace space_;
-  const std::vector<std::uint32_t>& members_;
-  const glm::dvec3 pivot_;
-  const std::optional<SkinSweep>& sweep_;
-  const std::vector<glm::dvec3> points_;
+  const std::span<const glm::dmat4x3> pivots_;
+  const std::span<const SkinNode> nodes_;
+  const int threads_;
+  const std::size_t count_;
+  std::vector<glm::dmat4x3> to_pivots_;
+  double size_ = 1;
+  std::vector<Trs> poses_;             // of time t and joint j at [t * count_ + j]
+  std::vector<glm::dmat4x3> locals_;   // of these
+  std::vector<glm::dmat4x3> motions_;  // of these
+  std::vector<std::vector<Watched>> watched_;
+  std::vector<bool> loose_;
+  std::vector<double> shares_;  // of the tolerance
 };
 
 }  // namespace
 
-std::vector<RigDescription::Clip> makeSkinKeys(const SkinSamples& samples, const SourceSkin& skin,
-                                               std::uint32_t clip, const SkinSpace& space,
-                                               const SkinLabels& labels, const PartTree& tree,
-                                               double tolerance) {
-  const std::vector<float>& times = skin.clips[clip].times;
-  const SkinMoments moments =
-      momentsAt(skin, clip, std::vector<double>(times.begin(), times.end()), space, 1);
-  const std::vector<std::vector<std::uint32_t>> members = labels.members();
-  std::vector<std::vector<SkinPose>> reduced(members.size());  // as the keys move the parts
+std::vector<RigDescription::Clip> makeSkinKeys(const SourceSkin& skin, std::size_t clip,
+                                               std::span<const glm::dmat4x3> pivots,
+                                               std::span<const SkinNode> nodes, double tolerance,
+                                               int threads) {
+  const ClipKeys keys(skin, clip, pivots, nodes, threads);
   std::vector<RigDescription::Clip> clips;
-  for (std::size_t p = 0; p < members.size(); ++p) {
-    const std::vector<SkinPose> wanted =
-        fitPart(samples, moments, members[p], labels.joints[p], tree.sweeps[p]);
-    std::vector<glm::dmat4x3> parents(times.size(), glm::dmat4x3(1));
-    if (tree.parents[p] >= 0)
-      for (std::size_t t = 0; t < times.size(); ++t)
-        parents[t] = motionFromParent(tree, p, reduced[static_cast<std::size_t>(tree.parents[p])][t]);
-    const PartKeys keys(samples, skin.clips[clip], space, members[p], tree, p);
-    clips.push_back(keys.make(wanted, parents, tolerance, reduced[p]));
+  for (std::vector<RigDescription::Track>& tracks : keys.make(tolerance))
+    clips.push_back({skin.clips[clip].name, skin.clips[clip].duration, {}, std::move(tracks)});
+  // A clip that leaves everything as it is at rest still is a clip.
+  if (std::all_of(clips.begin(), clips.end(), [](const auto& its) { return its.tracks.empty(); })) {
+    RigDescription::Track track;
+    track.target = Target::kPartRotation;
+    track.keys.push_back({0, glm::vec4(0, 0, 0, 1), {}, {}});
+    clips.front().tracks.push_back(std::move(track));
   }
   return clips;
-}
-
-std::vector<SkinPose> posesOfKeys(const std::vector<RigDescription::Clip>& clips, const PartTree& tree,
-                                  const SkinSpace& space, double time) {
-  const KeySpace key_space(space);
-  std::vector<SkinPose> poses;
-  for (std::size_t p = 0; p < clips.size(); ++p) {
-    SkinPose pose{localAt(clips[p], tree.pivots[p], key_space, time), {}};
-    if (tree.parents[p] >= 0)
-      pose.motion =
-          compose(motionFromParent(tree, p, poses[static_cast<std::size_t>(tree.parents[p])]), pose.motion);
-    if (tree.sweeps[p]) pose.knots = knotsAt(*tree.sweeps[p], clips[p], time);
-    poses.push_back(std::move(pose));
-  }
-  return poses;
 }
 
 }  // namespace kelp::bake

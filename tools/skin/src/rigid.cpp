@@ -81,6 +81,52 @@ glm::dquat quaternionOf(const glm::dmat3& rotation) {
   return {q.w / length, q.x / length, q.y / length, q.z / length};
 }
 
+Trs nearestTrs(const glm::dmat4x3& m, const glm::dquat& before) {
+  const glm::dmat3 k = linearOf(m), last = rotationOf(before);
+  const glm::dvec3 lengths(glm::length(k[0]), glm::length(k[1]), glm::length(k[2]));
+  const double longest = std::max({lengths.x, lengths.y, lengths.z});
+  Trs out{m[3], before, glm::dvec3(0)};
+  if (!(longest > 0)) return out;
+  // Which axes are mirrored: of the two or four ways, the one that turns least.
+  const bool mirrored = glm::determinant(k) < 0;
+  glm::dmat3 best(1);
+  double most = -4;
+  for (int way = 0; way < 8; ++way) {
+    const glm::dvec3 sign(way & 1 ? -1 : 1, way & 2 ? -1 : 1, way & 4 ? -1 : 1);
+    if ((sign.x * sign.y * sign.z < 0) != mirrored) continue;
+    // An axis without length counts little, and keeps its direction.
+    constexpr double kLittle = 1e-7;
+    glm::dmat3 h;
+    for (int axis = 0; axis < 3; ++axis)
+      h[axis] =
+          sign[axis] / longest * k[axis] + (lengths[axis] > kLittle * longest ? 0 : kLittle) * last[axis];
+    const glm::dmat3 turn = nearestRotation(h);
+    double like = 0;
+    for (int axis = 0; axis < 3; ++axis) like += glm::dot(turn[axis], last[axis]);
+    if (like <= most + 1e-9) continue;
+    most = like;
+    best = turn;
+  }
+  for (int axis = 0; axis < 3; ++axis) out.scale[axis] = glm::dot(best[axis], k[axis]);
+  // With shear the rotation and the scale that fit best depend on each other.
+  for (int round = 0; round < 8; ++round) {
+    glm::dmat3 h;
+    for (int axis = 0; axis < 3; ++axis) h[axis] = out.scale[axis] / (longest * longest) * k[axis];
+    for (int axis = 0; axis < 3; ++axis) h[axis] += 1e-12 * best[axis];
+    best = nearestRotation(h);
+    double moved = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double scale = glm::dot(best[axis], k[axis]);
+      moved = std::max(moved, std::abs(scale - out.scale[axis]));
+      out.scale[axis] = scale;
+    }
+    if (moved <= 1e-12 * longest) break;
+  }
+  out.rotation = quaternionOf(best);
+  if (glm::dot(out.rotation, before) < 0) out.rotation = -out.rotation;
+  return out;
+}
+
 glm::dquat slerpShort(const glm::dquat& a, glm::dquat b, double share) {
   double cosine = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
   if (cosine < 0) {
@@ -88,7 +134,7 @@ glm::dquat slerpShort(const glm::dquat& a, glm::dquat b, double share) {
     cosine = -cosine;
   }
   double of_a = 1 - share, of_b = share;
-  if (cosine < 1 - 1e-9) {
+  if (cosine < 1 - 1e-7) {
     const double angle = std::acos(cosine), sine = std::sin(angle);
     of_a = std::sin(of_a * angle) / sine;
     of_b = std::sin(of_b * angle) / sine;

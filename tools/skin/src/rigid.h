@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rigid motions in double precision: a rotation and a translation in a 4x3 matrix. Those of parts whose
-// joints scale also have one scale for all directions.
+// Motions as translation, rotation and scale, in double precision.
 #pragma once
 
 #include <array>
@@ -23,30 +22,23 @@ glm::dmat3 rotationOf(const glm::dquat& q);
 
 inline glm::dmat3 linearOf(const glm::dmat4x3& m) { return {m[0], m[1], m[2]}; }
 
-inline glm::dmat4x3 rigid(const glm::dmat3& rotation, const glm::dvec3& translation) {
-  return {rotation[0], rotation[1], rotation[2], translation};
-}
+// posed = translation + rotation (scale x).
+struct Trs {
+  glm::dvec3 translation{0};
+  glm::dquat rotation{1, 0, 0, 0};
+  glm::dvec3 scale{1};
 
-inline glm::dmat4x3 inverseRigid(const glm::dmat4x3& m) {
-  const glm::dmat3 back = glm::transpose(linearOf(m));
-  return rigid(back, -(back * m[3]));
-}
+  glm::dmat4x3 matrix() const {
+    const glm::dmat3 turn = rotationOf(rotation);
+    return {scale.x * turn[0], scale.y * turn[1], scale.z * turn[2], translation};
+  }
+};
 
-// The scale of a rigid motion that has one: the cube root of the volume of a unit cube.
-inline double scaleOf(const glm::dmat4x3& m) { return std::cbrt(std::abs(glm::determinant(linearOf(m)))); }
-// Scales nearer to 1 are 1.
-inline constexpr double kSameSize = 0.01;
-// True for a motion whose scale differs from 1 by no more.
-inline bool keepsSize(const glm::dmat4x3& m, double most = kSameSize) {
-  return std::abs(scaleOf(m) - 1) <= most;
-}
+// The nearest to `m` whose rotation continues `before`: of axes that are mirrored or without length, any
+// would do.
+Trs nearestTrs(const glm::dmat4x3& m, const glm::dquat& before = {1, 0, 0, 0});
 
-inline glm::dmat4x3 compose(const glm::dmat4x3& a, const glm::dmat4x3& b) {
-  const glm::dmat3 turn = linearOf(a);
-  return rigid(turn * linearOf(b), turn * b[3] + a[3]);
-}
-
-// Spherical between unit quaternions, the shorter way, as the runtime interpolates keys.
+// As the runtime interpolates keys, which need not be quite unit: spherical, the shorter way; then unit.
 glm::dquat slerpShort(const glm::dquat& a, glm::dquat b, double share);
 
 }  // namespace kelp::bake

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The surface of a skin as points that are dense enough to be labeled.
+// The surface of a skin as points.
 #pragma once
 
-#include <algorithm>
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <numeric>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -15,67 +15,48 @@
 
 namespace kelp::bake {
 
-// The space in which skins are divided: the box's longest side is 128 units long, so that the parts do not
-// depend on the resolution.
-struct SkinSpace {
-  glm::dmat4 from_soup{1};
-  glm::dmat4 to_soup{1};
-  double voxels = 1;  // a unit's
-};
-inline constexpr double kSkinSide = 128;
-SkinSpace skinSpace(const Frame& frame);
-
-// Points of the triangles, refined until edges are short. Where linear blend skinning draws point i at a
-// moment: the sum over its weighted points of motion(joint) x. Between corners this is what is drawn: the
-// triangle of the moved corners.
+// Points on the triangles, in voxels of a frame. Linear blend skinning takes sample i to the sum over its
+// weights of weight x motion(joint) x position.
 struct SkinSamples {
   struct Weighted {
     std::uint32_t joint = 0;
-    glm::dvec4 x{0};  // the sum of weight (position, 1); x.w is the joint's weight
+    double weight = 0;  // above 0; those of a sample sum to 1
   };
-  struct Edge {
-    std::uint32_t a = 0, b = 0;
-    double width = 0;  // of the strip between the two: the length that a seam has there
-  };
-  struct Neighbor {
-    std::uint32_t sample = 0;
-    double width = 0;
-  };
-  std::vector<glm::dvec3> positions;  // in the bind pose
-  std::vector<double> areas;
+  std::vector<glm::dvec3> positions;        // in the bind pose
+  std::vector<double> areas;                // above 0
+  std::vector<std::uint32_t> components;    // of the mesh: see componentsOf
   std::vector<std::size_t> first_weighted;  // of each sample, and the end
-  std::vector<Weighted> weighted;           // each joint once
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<Edge> edges;
-  std::vector<std::size_t> first_neighbor;  // of each sample, and the end
-  std::vector<Neighbor> neighbors;
-  double area = 0;
+  std::vector<Weighted> weighted;           // of a sample: each joint once, ascending
 
   std::size_t size() const { return positions.size(); }
-  // The weight of the joint at sample i.
-  double weight(std::size_t i, std::uint32_t joint) const;
+  std::span<const Weighted> weights(std::size_t i) const {
+    return {weighted.data() + first_weighted[i], first_weighted[i + 1] - first_weighted[i]};
+  }
   std::uint32_t heaviestJoint(std::size_t i) const;
 };
 
-// Samples of a soup that has skinned corners; no more than about `most`.
-SkinSamples makeSkinSamples(const TriangleSoup& soup, const SourceSkin& skin, const SkinSpace& space,
-                            std::size_t most = 200000);
+// Each triangle is cut into small ones with edges of at most `edge` voxels, or more so that there are no more
+// than about `most` samples. One sample lies in each, where `inside` says: its coordinates along two edges.
+SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame,
+                       const std::vector<std::uint32_t>& components, double edge, const glm::dvec2& inside,
+                       std::size_t most);
 
-// The least value that, with those below it, has this share of the weight. At least one value.
-inline double weightedQuantile(const std::vector<double>& values, const std::vector<double>& weights,
-                               double share) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return values[a] < values[b] || (values[a] == values[b] && a < b);
-  });
-  const double wanted = share * std::accumulate(weights.begin(), weights.end(), 0.0);
-  double below = 0;
-  for (const std::size_t i : order) {
-    below += weights[i];
-    if (below >= wanted) return values[i];
-  }
-  return values[order.back()];
-}
+// Finds samples by the voxels that they are in.
+class SampleFinder {
+ public:
+  // size: voxels of the box. The samples must outlive the object.
+  SampleFinder(const SkinSamples& samples, const glm::ivec3& size);
+  // The nearest sample to a point of the box.
+  std::uint32_t nearest(const glm::dvec3& point) const;
+
+ private:
+  const SkinSamples& samples_;
+  glm::ivec3 size_;
+  std::vector<std::pair<std::size_t, std::uint32_t>> of_voxels_;
+};
+
+// Which connected component of the mesh each triangle is of; those that share a vertex are of one. Numbered
+// in the order of their first triangles.
+std::vector<std::uint32_t> componentsOf(const TriangleSoup& soup);
 
 }  // namespace kelp::bake

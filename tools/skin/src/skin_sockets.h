@@ -1,30 +1,19 @@
 // SPDX-License-Identifier: MIT
-// Where the sockets of a skin are on its parts.
+// Sockets of a skin on the parts of their joints.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "kelp/import/core/frame.h"
+#include "kelp/import/core/source_model.h"
 #include "kelp/skin/skin.h"
-#include "tree.h"
 
 namespace kelp::bake {
 
-// The part of each socket: the one that moves with its joint, or another that stays much nearer to where the
-// joint takes it: some files animate sockets beside the joints, not below them. `clips`: [clip][part].
-struct SocketSeats {
-  std::vector<std::uint32_t> parts;
-  std::vector<SocketFit> fits;
-};
-SocketSeats seatSockets(const SourceSkin& skin, const SkinSpace& space, const PartTree& tree,
-                        const std::vector<std::vector<RigDescription::Clip>>& clips);
-
-// Gives the parts their sockets, when they have their grids. The grid of a rigid part grows along y, up to
-// three times its height, where a socket lies beyond it. A socket that lies farther is taken to the
-// end; of one that is beyond a rig's numbers there is a notice.
-void addSkinSockets(const SourceSkin& skin, const SkinSpace& space, const PartTree& tree,
-                    const std::vector<std::uint32_t>& part_of_socket, std::vector<SkinPart>& parts,
-                    std::vector<std::string>& notices);
+// Gives the joints their sockets, and their boxes, which are the frame's, the length along y that these take
+// (SkinJoint::grow). A socket beyond the longest box is left out, with a notice.
+void addJointSockets(const SourceSkin& skin, const Frame& frame, std::vector<SkinJoint>& joints,
+                     std::vector<std::string>& notices);
 
 }  // namespace kelp::bake

@@ -75,9 +75,6 @@ std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettin
 }
 
 void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const ImportSettings& settings) {
-  if (outer && outer->dividesSkin())
-    throw ToolError(Exit::kInvalid, "the rig (" + outer->origin + ") divides a skin (\"skin\"), and part '" +
-                                        part.name + "' has none: take another rig, or leave it out");
   const RigDescription* const rig = !outer             ? nullptr
                                     : outer->isWhole() ? &outer->file.whole
                                                        : outer->file.find(part.name);

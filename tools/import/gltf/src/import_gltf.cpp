@@ -65,32 +65,36 @@ class GltfImporter {
   }
 
  private:
-  // True if the outer rig says into which parts the file's skins are divided.
-  bool dividesSkin() const { return out_.outer && out_.outer->dividesSkin(); }
+  // True if the outer rig moves joints by itself.
+  bool rigsJoints() const {
+    if (!out_.outer) return false;
+    for (const tinygltf::Skin& skin : model_.data.skins)
+      for (const int joint : skin.joints)
+        if (joint >= 0 && joint < static_cast<int>(model_.data.nodes.size()) &&
+            out_.outer->file.find(oneLine(model_.node(joint).name, 80)))
+          return true;
+    return false;
+  }
 
   // True if the file's skins are its rig: asked for, or the file has no other.
   bool bendsBySkin() const {
-    const bool asked = dividesSkin() || settings_.rig_preset == kSkinRig, skins = hasSkins(model_);
+    const bool asked = settings_.rig_preset == kSkinRig, skins = hasSkins(model_);
     if (!asked) {
       if (!skins || whole_ || settings_.at || settings_.parts != Parts::kOne) return false;
       const std::vector<PartPlan> plans = planByRigs(model_, false);
       if (plans.size() != 1 || plans[0].rig || !plans[0].knots.empty()) return false;
-      if (movesJoints(model_, animations_)) return true;
+      if (movesJoints(model_, animations_) || rigsJoints()) return true;
       if (!animations_.empty())
         model_.note(
             "no animation moves the joints of its skin: it is baked at rest, as one part; --rig skin makes "
             "a part of each joint all the same");
       return false;
     }
-    const std::string rig =
-        dividesSkin() ? "the rig (" + out_.outer->origin + ") divides a skin" : "--rig skin";
     if (!skins)
-      throw ToolError(dividesSkin() ? Exit::kInvalid : Exit::kUsage,
-                      rig + ": " + files_.input().filename().string() +
-                          " has no mesh that bends by joints; " +
-                          (dividesSkin() ? "take another rig, or leave it out" : "leave --rig out"));
+      throw ToolError(Exit::kUsage, "--rig skin: " + files_.input().filename().string() +
+                                        " has no mesh that bends by joints; leave --rig out");
     if (settings_.at || settings_.parts != Parts::kOne)
-      throw ToolError(Exit::kUsage, rig + ": " +
+      throw ToolError(Exit::kUsage, std::string("--rig skin: ") +
                                         (settings_.at ? "--at bakes one moment of the skin"
                                                       : "--parts nodes makes parts of nodes") +
                                         "; leave one of them out");
@@ -105,7 +109,7 @@ class GltfImporter {
       std::vector<int> sockets;
       for (const int node : model_.order)
         if (isSocket(model_, node)) sockets.push_back(node);
-      GltfSkins skins(model_, socketNames(model_, sockets, stemOf(files_)));
+      GltfSkins skins(model_, animations_, socketNames(model_, sockets, stemOf(files_)));
       SoupBuilder builder;
       std::vector<int> members;
       for (const int node : model_.order) {
@@ -128,9 +132,8 @@ class GltfImporter {
       }
       if (part.soup.triangles.empty()) return;
       part.to_object = part.pivot = toAffine(space);
-      part.rig_origin = dividesSkin() ? out_.outer->origin : "skin";
-      if (dividesSkin()) part.rig.skin = out_.outer->file.whole.skin;
-      part.skin = skins.take(space, animations_, used_);
+      part.rig_origin = "skin";
+      part.skin = skins.take(space, used_);
       out_.parts.push_back(std::move(part));
       cull(out_.parts);
       return;
@@ -318,9 +321,6 @@ class GltfImporter {
         refuse(Exit::kInvalid, files_.input(), plan.rig->owner + ".extras.kelp", error.what());
       }
       const std::string origin = "extras.kelp of " + plan.rig->owner;
-      if (!written.skin.empty())
-        refuse(Exit::kInvalid, files_.input(), plan.rig->owner + ".extras.kelp",
-               "/skin: only a rig file (--rig, STEM.rig.json) divides a skin; put it there");
       if (!knots.empty() && saysOnlyHow(written)) {
         if (!written.axis) written.axis = drawn.axis;
         if (!written.bend) {

@@ -12,14 +12,6 @@
 #include "kelp/common/error.h"
 
 namespace kelp::bake {
-namespace {
-
-constexpr double kPoseRate = 60;  // a second, beside the channels' own keys
-constexpr double kMostSamples = 20000;
-// How long a step takes, seconds: motions are linear between samples.
-constexpr float kStepTime = 1e-4f;
-// Motions of joints that differ by less, of the skin's size, are one.
-constexpr double kSameBind = 1e-5;
 
 bool isRegular(const glm::dmat4& m) {
   const double volume = std::abs(glm::determinant(glm::dmat3(m)));
@@ -32,6 +24,11 @@ bool isFinite(const glm::dmat4& m) {
   return true;
 }
 
+namespace {
+
+// Motions of joints that differ by less, of the skin's size, are one.
+constexpr double kSameBind = 1e-5;
+
 bool isNear(const glm::dmat4& a, const glm::dmat4& b) {
   double apart = 0, size = 0;
   for (int column = 0; column < 4; ++column) {
@@ -41,29 +38,11 @@ bool isNear(const glm::dmat4& a, const glm::dmat4& b) {
   return apart <= kSameBind * size;
 }
 
-// The times at which motions are sampled: those of all keys, enough between them, and just before a step.
-std::vector<float> sampleTimes(const std::vector<const GltfChannel*>& channels) {
-  std::set<float> times{0};
-  for (const GltfChannel* channel : channels) {
-    for (const float time : channel->times) {
-      times.insert(time);
-      if (channel->interpolation == Interpolation::kStep && time > kStepTime) times.insert(time - kStepTime);
-    }
-  }
-  const double last = *times.rbegin();
-  const double samples = std::min(std::ceil(last * kPoseRate), kMostSamples);
-  for (double i = 1; i < samples; ++i) times.insert(static_cast<float>(last * i / samples));
-  return {times.begin(), times.end()};
-}
-
-void apply(const GltfChannel& channel, double time, GltfTransform& to) {
-  const glm::dvec4 value = evaluate(channel, time);
-  if (channel.path == GltfChannel::Path::kTranslation)
-    to.translation = glm::dvec3(value);
-  else if (channel.path == GltfChannel::Path::kScale)
-    to.scale = glm::dvec3(value);
-  else
-    to.rotation = glm::normalize(glm::dquat(value.w, value.x, value.y, value.z));
+bool isUneven(const glm::dvec3& scale) {
+  constexpr double kEven = 1e-6;
+  const glm::dvec3 size = glm::abs(scale);
+  const double most = std::max({size.x, size.y, size.z});
+  return most - std::min({size.x, size.y, size.z}) > kEven * most;
 }
 
 }  // namespace
@@ -117,8 +96,22 @@ std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int index) {
   return matrices;
 }
 
-GltfSkins::GltfSkins(const GltfModel& model, const std::vector<std::pair<int, std::string>>& sockets)
-    : model_(model) {
+GltfSkins::GltfSkins(const GltfModel& model, const std::vector<GltfAnimation>& animations,
+                     const std::vector<std::pair<int, std::string>>& sockets)
+    : model_(model), animations_(animations), moved_(model.data.nodes.size(), false), stretched_(moved_) {
+  for (std::size_t i = 0; i < moved_.size(); ++i) {
+    bool exact = true;
+    stretched_[i] = isUneven(restTransform(model.data.nodes[i], &exact).scale) || !exact;
+  }
+  for (const GltfAnimation& animation : animations)
+    for (const GltfChannel& channel : animation.channels) {
+      if (!moves(model, channel)) continue;
+      moved_[at(channel.node)] = true;
+      if (channel.path != GltfChannel::Path::kScale) continue;
+      for (const glm::dvec4& value : channel.values)
+        if (channel.interpolation == Interpolation::kCubic || isUneven(glm::dvec3(value)))
+          stretched_[at(channel.node)] = true;
+    }
   const auto hasJoints = [&](int node) {
     const int skin = model.node(node).skin;
     return skin >= 0 && !model.data.skins[static_cast<std::size_t>(skin)].joints.empty();
@@ -136,7 +129,24 @@ GltfSkins::GltfSkins(const GltfModel& model, const std::vector<std::pair<int, st
     sockets_.push_back(socket);
     skin_.sockets.push_back({name, 0, sockets_.back().place});
   }
+  addNodesAbove();
   sortJoints();
+}
+
+// Nodes between joints, and above all, are joints that move no vertex where the motions of several nodes
+// together are no translation, rotation and scale.
+void GltfSkins::addNodesAbove() {
+  const std::vector<int> joints = nodes_;
+  for (const int joint : joints) {
+    std::vector<int> moving;  // below the next joint, the lowest first
+    bool stretched = false;
+    for (int node = joint; node >= 0 && (node == joint || !of_node_.contains(node)); node = parentOf(node)) {
+      if (moved_[at(node)]) moving.push_back(node);
+      if (!moving.empty() && node != moving.front() && stretched_[at(node)]) stretched = true;
+    }
+    for (std::size_t i = moving.size(); stretched && i-- > 1;)
+      if (isRegular(worldOf(moving[i]))) (void)rigid(moving[i]);
+  }
 }
 
 std::uint32_t GltfSkins::jointOf(int node, const glm::dmat4& from_world) {
@@ -150,7 +160,6 @@ std::uint32_t GltfSkins::jointOf(int node, const glm::dmat4& from_world) {
   SourceSkin::Joint& made = skin_.joints.emplace_back();
   if (node >= 0) made.name = oneLine(model_.node(node).name, 80);
   if (made.name.empty()) made.name = node < 0 ? "scene" : fmt::format("node {}", node);
-  if (isRegular(from_world)) made.origin = glm::dvec3(glm::inverse(from_world)[3]);
   return joint;
 }
 
@@ -223,12 +232,30 @@ void GltfSkins::sortJoints() {
   for (auto& [node, mesh] : meshes_)
     for (std::uint32_t& joint : mesh.joints) joint = place[joint];
   for (std::size_t i = 0; i < sockets_.size(); ++i) skin_.sockets[i].joint = place[sockets_[i].joints[0]];
+  hangJoints(place);
+}
+
+// A joint follows the nearest above, in the copy that its own skin has. One that is flat in the bind pose has
+// no followers: what is placed in it is placed nowhere.
+void GltfSkins::hangJoints(const std::vector<std::uint32_t>& place) {
+  std::vector<int> skin_of(nodes_.size(), -1);
+  std::set<std::pair<int, std::uint32_t>> members;
+  for (auto& [skin, mesh] : skins_)
+    for (const std::uint32_t joint : mesh.joints) {
+      skin_of[place[joint]] = skin;
+      members.emplace(skin, place[joint]);
+    }
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
-    for (int above = nodes_[i] < 0 ? -1 : parentOf(nodes_[i]); above >= 0; above = parentOf(above)) {
-      const auto found = of_node_.find(above);
-      if (found == of_node_.end()) continue;
-      if (found->second < i) skin_.joints[i].parent = static_cast<int>(found->second);
-      break;
+    int& parent = skin_.joints[i].parent;
+    for (int above = nodes_[i] < 0 ? -1 : parentOf(nodes_[i]); above >= 0 && parent < 0;
+         above = parentOf(above)) {
+      const auto [begin, end] = of_node_.equal_range(above);
+      for (auto at = begin; at != end; ++at) {
+        if (at->second >= i || !isRegular(from_world_[at->second])) continue;
+        const bool its = members.contains({skin_of[i], at->second});
+        if (parent < 0 || its) parent = static_cast<int>(at->second);
+        if (its) break;
+      }
     }
   }
 }
@@ -255,79 +282,6 @@ void GltfSkins::endVertex() {
   for (auto at = first; at != skin_.influences.end(); ++at) sum += static_cast<double>(at->weight);
   for (auto at = first; at != skin_.influences.end(); ++at)
     at->weight = static_cast<float>(static_cast<double>(at->weight) / sum);
-}
-
-SourceSkin GltfSkins::take(const glm::dmat4& space, const std::vector<GltfAnimation>& animations,
-                           std::vector<std::vector<bool>>& used) {
-  endVertex();
-  skin_.first_influence.push_back(static_cast<std::uint32_t>(skin_.influences.size()));
-  // The nodes whose motion reaches a joint: the joints and all above them.
-  std::vector<bool> reaches(model_.data.nodes.size(), false);
-  for (int node : nodes_)
-    for (; node >= 0 && !reaches[static_cast<std::size_t>(node)]; node = parentOf(node))
-      reaches[static_cast<std::size_t>(node)] = true;
-  std::map<std::string, std::vector<std::size_t>> by_name;  // animations of one name make one clip
-  std::vector<std::string> names;
-  for (std::size_t a = 0; a < animations.size(); ++a) {
-    bool concerned = false;
-    for (std::size_t c = 0; c < animations[a].channels.size(); ++c) {
-      if (!reaches[static_cast<std::size_t>(animations[a].channels[c].node)]) continue;
-      used[a][c] = concerned = true;
-    }
-    if (!concerned) continue;
-    std::vector<std::size_t>& list = by_name[animations[a].name];
-    if (list.empty()) names.push_back(animations[a].name);
-    list.push_back(a);
-  }
-  for (const std::string& name : names) addClip(name, by_name[name], animations, reaches);
-  for (std::size_t j = 0; j < nodes_.size(); ++j) skin_.joints[j].inverse_bind = from_world_[j] * space;
-  if (space == glm::dmat4(1)) return std::move(skin_);
-  const glm::dmat4 back = glm::inverse(space);
-  for (SourceSkin::Socket& socket : skin_.sockets) socket.place = back * socket.place;
-  for (SourceSkin::Joint& joint : skin_.joints) joint.origin = glm::dvec3(back * glm::dvec4(joint.origin, 1));
-  for (SourceSkin::Clip& clip : skin_.clips)
-    for (glm::dmat4x3& motion : clip.motions) motion = glm::dmat4x3(back * glm::dmat4(motion) * space);
-  return std::move(skin_);
-}
-
-void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>& members,
-                        const std::vector<GltfAnimation>& animations, const std::vector<bool>& reaches) {
-  SourceSkin::Clip clip{name, 0, {}, {}};
-  std::vector<const GltfChannel*> channels;
-  for (const std::size_t a : members) {
-    clip.duration = std::max(clip.duration, animations[a].duration);
-    for (const GltfChannel& channel : animations[a].channels)
-      if (reaches[static_cast<std::size_t>(channel.node)]) channels.push_back(&channel);
-  }
-  if (!(clip.duration > 0)) clip.duration = 1;  // a pose of one key lasts a second
-  clip.times = sampleTimes(channels);
-  const std::string place = "animation '" + name + "'";
-  model_.countRead(clip.times.size() * (model_.placed.size() + channels.size()), place);
-  model_.budget->take(clip.times.size() * nodes_.size() * sizeof(glm::dmat4x3), place);
-
-  std::vector<GltfTransform> rest;
-  std::vector<bool> animated(model_.data.nodes.size(), false);
-  for (const tinygltf::Node& node : model_.data.nodes) rest.push_back(restTransform(node));
-  for (const GltfChannel* channel : channels) animated[static_cast<std::size_t>(channel->node)] = true;
-  std::vector<glm::dmat4> world = model_.world;
-  for (const float time : clip.times) {
-    std::vector<GltfTransform> posed = rest;
-    for (const GltfChannel* channel : channels)
-      apply(*channel, static_cast<double>(time), posed[static_cast<std::size_t>(channel->node)]);
-    for (const int node : model_.placed) {
-      const auto at = static_cast<std::size_t>(node);
-      const glm::dmat4 local = animated[at] ? posed[at].matrix() : localMatrix(model_.node(node));
-      world[at] = parentOf(node) < 0 ? local : world[static_cast<std::size_t>(parentOf(node))] * local;
-    }
-    for (std::size_t j = 0; j < nodes_.size(); ++j) {
-      const glm::dmat4 motion =
-          nodes_[j] < 0 ? glm::dmat4(1) : world[static_cast<std::size_t>(nodes_[j])] * from_world_[j];
-      if (!isFinite(motion))
-        model_.refuse(place, "moves " + model_.nodeName(nodes_[j]) + " beyond all numbers");
-      clip.motions.emplace_back(motion);
-    }
-  }
-  skin_.clips.push_back(std::move(clip));
 }
 
 }  // namespace kelp::bake

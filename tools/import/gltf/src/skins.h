@@ -10,6 +10,16 @@
 
 namespace kelp::bake {
 
+// An index that was checked.
+template <class Index>
+std::size_t at(Index index) {
+  return static_cast<std::size_t>(index);
+}
+
+// False for a matrix without an inverse.
+bool isRegular(const glm::dmat4& m);
+bool isFinite(const glm::dmat4& m);
+
 // True if a mesh of the scene has a skin.
 bool hasSkins(const GltfModel& model);
 
@@ -22,7 +32,8 @@ std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int skin);
 class GltfSkins {
  public:
   // `sockets`: empties of the scene with their names. ToolError for a skin that is damaged.
-  GltfSkins(const GltfModel& model, const std::vector<std::pair<int, std::string>>& sockets);
+  GltfSkins(const GltfModel& model, const std::vector<GltfAnimation>& animations,
+            const std::vector<std::pair<int, std::string>>& sockets);
 
   // World <- mesh, in the bind pose. A mesh without a skin stands to the nearest joint above it as it does at
   // rest.
@@ -36,8 +47,7 @@ class GltfSkins {
 
   // Ends the vertices. Returns the skin with all clips, in `space` (of the world); marks the channels that
   // move joints.
-  SourceSkin take(const glm::dmat4& space, const std::vector<GltfAnimation>& animations,
-                  std::vector<std::vector<bool>>& used);
+  SourceSkin take(const glm::dmat4& space, std::vector<std::vector<bool>>& used);
 
  private:
   struct Mesh {
@@ -49,12 +59,25 @@ class GltfSkins {
   std::uint32_t jointOf(int node, const glm::dmat4& from_world);
   void addSkinned(int node);
   Mesh rigid(int node);
+  // How a joint moves within its parent's motion: the product of all these.
+  struct Chain {
+    std::vector<int> nodes;   // below the parent joint's, down to its own
+    glm::dmat4 from_parent;   // to the soup's space in the bind pose; from the parent joint's, or the world
+    std::vector<int> moving;  // of the nodes: from the first that moves to the last; if none does, the last
+    bool several = false;     // of which more than one moves
+  };
+  void addNodesAbove();
   void sortJoints();
+  void hangJoints(const std::vector<std::uint32_t>& place);
+  Chain chainOf(std::size_t joint, const glm::dmat4& from_world);
   void endVertex();
   void addClip(const std::string& name, const std::vector<std::size_t>& members,
-               const std::vector<GltfAnimation>& animations, const std::vector<bool>& reaches);
+               const std::vector<bool>& reaches);
 
   const GltfModel& model_;
+  const std::vector<GltfAnimation>& animations_;
+  // Of each node: an animation moves it; it has shear, or is ever larger in one direction than in another.
+  std::vector<bool> moved_, stretched_;
   std::map<int, Mesh> meshes_;  // by node
   std::map<int, Mesh> skins_;   // by skin
   std::vector<Mesh> sockets_;   // of skin_.sockets
@@ -62,8 +85,9 @@ class GltfSkins {
   std::vector<int> nodes_;              // of each joint; -1: stands still
   std::vector<glm::dmat4> from_world_;  // of each joint: its node's space <- the world in the bind pose
   std::multimap<int, std::uint32_t>
-      of_node_;           // the joints of a node: one, but where skins bind it differently
-  int vertex_node_ = -1;  // of the last vertex
+      of_node_;                // the joints of a node: one, but where skins bind it differently
+  std::vector<Chain> chains_;  // of each joint
+  int vertex_node_ = -1;       // of the last vertex
 };
 
 }  // namespace kelp::bake

@@ -138,7 +138,7 @@ void printClips(const bake::Report& report) {
   }
 }
 
-// Prints how far a skin's parts are from it, in the worst clip.
+// Prints how far a skin's cage is from it, in the worst clip.
 void printFit(const bake::Report& report) {
   const bake::Report::Clip* worst = nullptr;
   for (const bake::Report::Clip& clip : report.clips)
@@ -146,7 +146,7 @@ void printFit(const bake::Report& report) {
   if (!worst) return;
   const bake::Report::Fit& fit = worst->fit;
   sayDetail(
-      fmt::format("skin: the parts are {:.2f} voxels off its surface in the mean, 95 % of it within "
+      fmt::format("skin: the cage is {:.2f} voxels off its surface in the mean, 95 % of it within "
                   "{:.2f}, all within {:.1f}, in the worst clip ('{}'), at joint '{}'",
                   fit.mean, fit.p95, fit.max, worst->name, fit.joint));
 }

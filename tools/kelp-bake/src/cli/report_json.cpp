@@ -47,6 +47,7 @@ OrderedJson partJson(const bake::Report::Part& part) {
                    {"voxel_size", part.voxel_size},
                    {"rig", part.rig_origin},
                    {"bend", toString(part.swept ? Bend::kSweep : Bend::kShear, part.caged)},
+                   {"cell", part.cell > 0 ? OrderedJson(part.cell) : OrderedJson()},
                    {"roll", rollInDegrees(part.roll)},
                    {"sockets", part.sockets},
                    {"fill", part.fill},

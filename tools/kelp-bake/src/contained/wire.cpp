@@ -38,7 +38,7 @@ auto fieldsOf(Report::Stage& s) { return std::tie(s.name, s.seconds, s.peak_byte
 auto fieldsOf(Report::Part& p) {
   return std::tie(p.name, p.rig_origin, p.fill, p.size, p.voxel_size, p.triangles, p.solid_voxels,
                   p.surface_voxels, p.bricks, p.fog, p.fog_voxels, p.closed, p.empty, p.mesh, p.repairs,
-                  p.parent, p.parent_at, p.swept, p.caged, p.roll, p.sockets, p.components);
+                  p.parent, p.parent_at, p.swept, p.caged, p.cell, p.roll, p.sockets, p.components);
 }
 auto fieldsOf(Report::Fit& f) { return std::tie(f.mean, f.p95, f.max, f.joint); }
 auto fieldsOf(Report::Clip& c) {

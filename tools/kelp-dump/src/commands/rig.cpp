@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -51,10 +52,12 @@ Exit runRig(const RigOptions& options) {
                     fmt::format("--axis {}: expected +x, -x, +y, -y, +z or -z", nameText(options.axis, 40)));
   PackFile file(options.path);
   const RiggedPack rigged(file.pack());
-  if (!rigged.skin_problem.empty())
-    say("{}: its INFO describes a skin that cannot be used ({}): these are rigs of its parts", file.path(),
-        rigged.skin_problem);
   if (options.part.empty() && !axis && rigged.by_part) {
+    if (std::find(rigged.given.begin(), rigged.given.end(), true) == rigged.given.end())
+      throw ToolError(Exit::kInvalid,
+                      fmt::format("{}: a skin moves its parts, and none has a rig of its own; "
+                                  "print how one moves with --part NAME",
+                                  file.path()));
     print(partRigs(file, rigged));
   } else {
     const std::uint32_t index = file.partOrFirst(options.part);
@@ -68,10 +71,9 @@ Exit runRig(const RigOptions& options) {
 Command addRig(CLI::App& app) {
   const auto options = std::make_shared<RigOptions>();
   CLI::App* const command = addCommand(
-      app, "rig", "Print rigs and clips as rig JSON: of several parts by name; of a skin, how it is divided",
+      app, "rig", "Print rigs and clips as rig JSON: of several parts by name, but those that a skin moves",
       "  kelp-dump rig reed.kelp > reed.rig.json    beside reed.glb, kelp-bake takes it\n"
-      "  kelp-dump rig hero.kelp --part arm_r       the rig of one part alone\n"
-      "  kelp-dump rig fox.kelp > fox.rig.json      of a skin: which joints make which parts\n");
+      "  kelp-dump rig hero.kelp --part arm_r       the rig of one part alone\n");
   addPack(command, options->path);
   addPart(command, options->part, "all; with --axis, the first");
   command

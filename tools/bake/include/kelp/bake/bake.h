@@ -23,7 +23,7 @@
 
 namespace kelp::bake {
 
-// The side of the cells of cages, in voxels, if nobody asks for another.
+// The side of the cells of cages, in voxels, if nobody asks for another. Those of skins follow from the fit.
 inline constexpr int kDefaultCell = 8;
 
 // The options of a bake.
@@ -61,11 +61,12 @@ struct Report {
     std::string parent;                          // the part it follows; empty: none
     float parent_at = kelp::Part::kNotOnSpline;  // where on that part's spline it hangs
     bool swept = false, caged = false;
+    int cell = 0;    // side of the cells of its cage, voxels; 0: it has none
     float roll = 0;  // radians, as in RawRig
     std::vector<std::string> sockets;
     std::vector<ComponentReport> components;  // empty for volumes
   };
-  // How far the parts of a skin are from where its joints would draw it, in voxels (kelp/skin/skin.h).
+  // How far the cage of a skin is from where its joints would draw it, in voxels (kelp/skin/skin.h).
   struct Fit {
     double mean = 0, p95 = 0, max = 0;
     std::string joint;  // where it is worst; empty: not a clip of a skin
@@ -75,7 +76,7 @@ struct Report {
     float duration = 0;                 // seconds
     float leaves_box = 0;               // how far bending leaves the box at rest, in lengths of the part
     bool bends = false, moves = false;  // bends the part; moves it as a whole
-    Fit fit;                            // the whole clip's, of all its parts
+    Fit fit;                            // the whole clip's
   };
   std::string format;
   std::vector<Stage> stages;

@@ -75,14 +75,6 @@ struct RigDescription {
     bool operator==(const Socket&) const = default;
   };
 
-  // A part of a file's own skin, or several: the surface that these joints move (README.md, "Skins").
-  struct SkinGroup {
-    std::vector<std::string> joints;  // at least one; of a swept part at least two
-    int knots = 0;                    // at least kMinSkinKnots: one part, swept along the joints; 0: rigid
-    int pieces = 1;                   // rigid parts that the surface is cut into; 1 if swept
-    bool operator==(const SkinGroup&) const = default;
-  };
-
   std::optional<Axis> axis;  // in the node's (or file's) own axes; +y if absent
   std::vector<Knot> knots;   // empty: two, at 0 and 1
   std::vector<Clip> clips;
@@ -92,8 +84,6 @@ struct RigDescription {
   bool caged = false;                    // "cage": drawn through a cage, which moves as `bend` says: kSweep
   int cell = 0;                          // side of its cells, as RawPart::cell; 0: the baker's choice
   float roll = 0;                        // as Part::roll; 0 unless `bend` is kSweep
-  // Not empty: the rig divides a skin, whose parts move by the file's animations; then it says nothing else.
-  std::vector<SkinGroup> skin;
   bool operator==(const RigDescription&) const = default;
 };
 
@@ -104,8 +94,6 @@ struct RestRig : RawRig {
 };
 
 inline constexpr std::size_t kMaxSockets = 1024;
-inline constexpr int kMinSkinKnots = 3, kMaxSkinKnots = 24;
-inline constexpr int kMaxSkinPieces = 256, kMaxSkinParts = 1024;  // of one group; of all
 // The bend of a part whose rig does not name one.
 inline constexpr Bend kDefaultBend = Bend::kShear;
 std::optional<Bend> parseBend(std::string_view text);  // "shear", "sweep"

@@ -17,7 +17,7 @@ struct RigFile {
     RigDescription rig;  // in the axes of the part's node
     bool operator==(const PartRig&) const = default;
   };
-  RigDescription whole;        // of the whole file; says nothing but `skin` if there are `parts`
+  RigDescription whole;        // of the whole file; says nothing if there are `parts`
   std::vector<PartRig> parts;  // no name twice
   bool operator==(const RigFile&) const = default;
 
@@ -40,17 +40,12 @@ struct RiggedPack {
 
   // The rig file has a rig for each part: there are several, or kelp-bake was asked for parts of nodes.
   bool by_part = false;
-  std::vector<Axis> axes;  // of each part, in the axes of its node
-  // Of a pack made from a skin: the rig that divides it, and which parts have a rig from the rig file.
-  // `skin_problem`: why there is none although INFO describes a skin.
-  RigDescription skin;
-  std::vector<bool> given;
-  bool skin_asked = false;  // by --rig skin
-  std::string skin_problem;
+  std::vector<Axis> axes;   // of each part, in the axes of its node
+  bool skinned = false;     // its parts move as a skin does, but for those with a rig from the rig file:
+  std::vector<bool> given;  // of each part; without a skin, all
 };
 
-// The rig file that bakes a pack of several parts again: of a skin, how it is divided and the rigs that are
-// not made of it; else the rigs of all parts.
+// The rig file that bakes a pack of several parts again: the rigs of all parts, but those that a skin moves.
 RigFile describeParts(const Pack& pack, const RiggedPack& rigged);
 
 }  // namespace kelp

@@ -23,7 +23,7 @@ std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettin
 
 // Gives a part the outer rig, or the one that the outer file has for a part of its name; else a part without
 // a rig of its own gets the straight one. A rig that names no axis gets that of the settings. ToolError
-// kUsage if it names another axis than the settings, kInvalid if it divides a skin.
+// kUsage if it names another axis than the settings.
 void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const ImportSettings& settings);
 
 // Names of parts, each one different: "arm", "arm.2".

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "kelp/import/core/memory_estimate.h"
 #include "kelp/rig/rig_file.h"
@@ -85,8 +86,11 @@ struct SourceSkin {
   struct Joint {
     std::string name;
     int parent = -1;             // an earlier joint, -1: none
-    glm::dvec3 origin{0};        // in the bind pose, in the soup's space
     glm::dmat4 inverse_bind{1};  // the soup's space in the bind pose -> the joint's own
+    // The node that clips move: what it is placed in, and its own axes. In the bind pose; to the soup's
+    // space. If base^-1 frame is a translation, a rotation and a scale, so is every motion, about an axis of
+    // them.
+    glm::dmat4 base{1}, frame{1};
   };
   struct Influence {
     std::uint32_t joint = 0;
@@ -94,9 +98,10 @@ struct SourceSkin {
   };
   struct Clip {
     std::string name;
-    float duration = 0;                 // seconds, > 0
-    std::vector<float> times;           // strictly ascending, the first 0; motions are linear between them
-    std::vector<glm::dmat4x3> motions;  // for each time, for each joint: posed <- bind pose
+    float duration = 0;                // seconds, > 0
+    std::vector<float> times;          // strictly ascending, the first 0
+    std::vector<glm::dmat4x3> locals;  // for each time, for each joint: its motion within its parent's
+    std::vector<glm::dquat> turns;     // likewise: the rotation of its node, which a scale of nothing hides
   };
   // A named place that follows a joint.
   struct Socket {
@@ -109,6 +114,9 @@ struct SourceSkin {
   std::vector<std::uint32_t> first_influence;  // of each vertex, and the end
   std::vector<Influence> influences;
   std::vector<Clip> clips;
+
+  // The motions of all joints, posed <- bind pose in the soup's space, at a time of a clip.
+  std::vector<glm::dmat4x3> motionsAt(const Clip& clip, std::size_t time) const;
 };
 
 // A surface voxel before the palette is chosen.
@@ -170,14 +178,13 @@ struct OuterRig {
   RigFile file;
   std::string origin;  // "hero.rig.json beside the input"
 
-  bool isWhole() const { return file.parts.empty() && file.whole.skin.empty(); }
-  bool dividesSkin() const { return !file.whole.skin.empty(); }
+  bool isWhole() const { return file.parts.empty(); }
 };
 
 struct SourceModel {
   std::string format;  // "glTF 2.0", "OBJ", "OpenVDB", ...
   std::vector<SourcePart> parts;
-  // Its rigs of parts have been given, but those of a skin, which is not divided yet.
+  // Its rigs of parts have been given, but those of the joints of a skin, which are no parts yet.
   std::optional<OuterRig> outer;
   std::vector<SurfaceMaterial> materials;  // at least one
   // for files that are painted by index: the pack's palette, in this order, at most 256; empty: the baker

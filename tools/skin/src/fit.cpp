@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "moments.h"
+
+namespace kelp::bake {
+namespace {
+
+// Seen in the voxels of a frame.
+JointMotions inVoxels(const std::vector<glm::dmat4x3>& motions, const Frame& frame) {
+  const glm::dmat4 back = glm::inverse(frame.node_to_voxel);
+  JointMotions out;
+  out.reserve(motions.size());
+  for (const glm::dmat4x3& motion : motions)
+    out.emplace_back(frame.node_to_voxel * glm::dmat4(motion) * back);
+  return out;
+}
+
+glm::dvec3 skinnedAt(const SkinSamples& samples, std::size_t i, const JointMotions& motions) {
+  const glm::dvec4 rest(samples.positions[i], 1);
+  glm::dvec3 at(0);
+  for (const SkinSamples::Weighted& w : samples.weights(i)) at += w.weight * (motions[w.joint] * rest);
+  return at;
+}
+
+std::vector<glm::dvec3> posedNodes(const Cage& cage, std::span<const Influences> influences,
+                                   const JointMotions& motions) {
+  std::vector<glm::dvec3> nodes;
+  nodes.reserve(influences.size());
+  for (std::uint32_t n = 0; n < influences.size(); ++n) {
+    const glm::dvec4 rest(glm::dvec3(cage.rest(n)), 1);
+    glm::dvec3& at = nodes.emplace_back(0);
+    for (int i = 0; i < 4; ++i)
+      if (influences[n].weights[i] != 0)
+        at += influences[n].weights[i] / 255.0 * (motions[influences[n].parts[i]] * rest);
+  }
+  return nodes;
+}
+
+// Distances by area, counted in steps.
+class Histogram {
+ public:
+  void add(double distance, double area) {
+    const double step = std::min(distance * kSteps, static_cast<double>(areas_.size() - 1));
+    areas_[static_cast<std::size_t>(step)] += area;
+    sum_ += area * distance;
+    area_ += area;
+    max_ = std::max(max_, distance);
+  }
+  SkinDistances distances() const {
+    if (!(area_ > 0)) return {};
+    double below = 0;
+    std::size_t step = 0;
+    while (step + 1 < areas_.size() && (below += areas_[step]) < 0.95 * area_) ++step;
+    return {sum_ / area_, std::min(static_cast<double>(step + 1) / kSteps, max_), max_};
+  }
+
+ private:
+  static constexpr int kSteps = 512, kFarthest = 64;  // of a voxel; voxels
+  std::vector<double> areas_ = std::vector<double>(std::size_t{kSteps} * kFarthest, 0);
+  double sum_ = 0, area_ = 0, max_ = 0;
+};
+
+}  // namespace
+
+std::vector<JointMotions> momentsOfClip(const SourceSkin& skin, std::uint32_t clip, const Frame& frame,
+                                        int moments) {
+  std::vector<JointMotions> out;
+  for (const double time : evenTimes(skin.clips[clip], moments))
+    out.push_back(inVoxels(motionsAt(skin, clip, time), frame));
+  return out;
+}
+
+std::vector<JointMotions> inventedMoments(const SourceSkin& skin, const Frame& frame) {
+  constexpr double kTurn = 0.6;
+  std::vector<JointMotions> out;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<glm::dmat4> posed;
+    std::vector<glm::dmat4x3> motions;
+    for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+      glm::dvec3 about(0);
+      about[static_cast<int>((axis + j) % 3)] = 1;
+      const glm::dvec3 at(skin.joints[j].frame[3]);
+      const glm::dmat4 turn = glm::translate(glm::dmat4(1), at) *
+                              glm::rotate(glm::dmat4(1), j % 2 ? -kTurn : kTurn, about) *
+                              glm::translate(glm::dmat4(1), -at);
+      const int parent = skin.joints[j].parent;
+      posed.push_back(parent < 0 ? turn : posed[static_cast<std::size_t>(parent)] * turn);
+      motions.emplace_back(posed.back());
+    }
+    out.push_back(inVoxels(motions, frame));
+  }
+  return out;
+}
+
+CageFit fitOf(const SkinSamples& samples, const SamplePlaces& places, const Cage& cage,
+              std::span<const Influences> influences, std::span<const JointMotions> moments) {
+  CageFit fit;
+  Histogram all;
+  double most = -1;
+  for (const JointMotions& motions : moments) {
+    const std::vector<glm::dvec3> nodes = posedNodes(cage, influences, motions);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (!places[i]) continue;
+      glm::dvec3 at(0);
+      for (int k = 0; k < 4; ++k) at += places[i]->weights[k] * nodes[places[i]->nodes[k]];
+      const double distance = glm::distance(at, skinnedAt(samples, i, motions));
+      all.add(distance, samples.areas[i]);
+      if (distance <= most) continue;
+      most = distance;
+      fit.joint = samples.heaviestJoint(i);
+    }
+  }
+  fit.distances = all.distances();
+  return fit;
+}
+
+}  // namespace kelp::bake
