@@ -49,10 +49,10 @@ struct SkinCage {
 // that move least, whose vertices and sockets follow the nearest joint above that is kept.
 void limitJoints(SourceSkin& skin, std::size_t most, std::vector<std::string>& notices);
 
-// The cage of a soup that bends by joints, and its joints as parts. `whole`: its voxels, which are in `frame`.
-// cell: side of the finest cells, 2, 4, 8 or 16; 0: the largest with which the cage follows the skin in every
-// clip as well as pictures need: 0.3 voxels in the mean, 1 at 95 % of the surface. The same result with any
-// number of threads. ToolError kInterrupted if `progress`, told 0 to 1 in "skin", asks to stop.
+// The cage of a soup that bends by joints, and its joints as parts. `whole`: its voxels, which are in
+// `frame`. cell: side of the finest cells, 2, 4, 8 or 16; 0: the largest with which the cage follows the skin
+// in every clip as well as pictures need: 0.3 voxels in the mean, 1 at 95 % of the surface. The same result
+// with any number of threads. ToolError kInterrupted if `progress`, told 0 to 1 in "skin", asks to stop.
 SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame,
                     const VoxelGrid& whole, int cell, int levels, int threads, const Progress& progress);
 
