@@ -43,7 +43,7 @@ TEST(RigSchema, AcceptsTheExamplesOfItsPage) {
     }
     ++examples;
   }
-  EXPECT_EQ(examples, 8);
+  EXPECT_EQ(examples, 7);
 }
 
 TEST(RigSchema, AgreesWithTheParser) {

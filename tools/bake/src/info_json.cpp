@@ -130,6 +130,12 @@ std::string makeInfo(const std::filesystem::path& input, const SourceModel& mode
   info["options"] = options;
   for (const auto& [name, hash] : otherFiles(input, settings, used)) info["files"][name] = hash;
   if (pack.parts.size() > 1 || settings.parts == Parts::kNodes) noteAxes(model, pack, info);
+  if (!pack.parts.front().influences.empty()) {
+    // The parts that move by the rig file and not by the skin.
+    OrderedJson& rigs = info["skin"]["rigs"] = OrderedJson::array();
+    for (const SourcePart& part : model.parts)
+      if (model.outer && model.outer->file.find(part.name)) rigs.push_back(part.name);
+  }
   return print(info);
 }
 
