@@ -350,7 +350,7 @@ TEST(Cages, WithCutsAreThoseOfBruteForce) {
     expectTrue(volumes[i], cutsOf(volumes[i].occupancy.size, i % 5));
     if (HasFatalFailure()) return;
   }
-  const glm::ivec3 size(25, 24, 17);
+  const glm::ivec3 size(19, 18, 17);
   for (std::size_t pattern = 0; pattern < 6; ++pattern) {
     SCOPED_TRACE("cuts " + std::to_string(pattern));
     expectTrue({"full", volumeWhere(size, [](const glm::ivec3&) { return true; })}, cutsOf(size, pattern));
