@@ -81,17 +81,17 @@ glm::dquat quaternionOf(const glm::dmat3& rotation) {
   return {q.w / length, q.x / length, q.y / length, q.z / length};
 }
 
-Trs nearestTrs(const glm::dmat4x3& m, const glm::dquat& before) {
-  const glm::dmat3 k = linearOf(m), last = rotationOf(before);
+Trs nearestTrs(const glm::dmat4x3& m, const std::optional<glm::dquat>& before) {
+  const glm::dquat near = before.value_or(glm::dquat(1, 0, 0, 0));
+  const glm::dmat3 k = linearOf(m), last = rotationOf(near);
   const glm::dvec3 lengths(glm::length(k[0]), glm::length(k[1]), glm::length(k[2]));
   const double longest = std::max({lengths.x, lengths.y, lengths.z});
-  Trs out{m[3], before, glm::dvec3(0)};
+  Trs out{m[3], near, glm::dvec3(0)};
   if (!(longest > 0)) return out;
-  // Which axes are mirrored: of the two or four ways, the one that turns least.
   const bool mirrored = glm::determinant(k) < 0;
   glm::dmat3 best(1);
   double most = -4;
-  for (int way = 0; way < 8; ++way) {
+  for (int way = 0; way < (before ? 8 : 2); ++way) {
     const glm::dvec3 sign(way & 1 ? -1 : 1, way & 2 ? -1 : 1, way & 4 ? -1 : 1);
     if ((sign.x * sign.y * sign.z < 0) != mirrored) continue;
     // An axis without length counts little, and keeps its direction.
@@ -123,7 +123,7 @@ Trs nearestTrs(const glm::dmat4x3& m, const glm::dquat& before) {
     if (moved <= 1e-12 * longest) break;
   }
   out.rotation = quaternionOf(best);
-  if (glm::dot(out.rotation, before) < 0) out.rotation = -out.rotation;
+  if (glm::dot(out.rotation, near) < 0) out.rotation = -out.rotation;
   return out;
 }
 
