@@ -59,23 +59,23 @@ Result<std::uint32_t> readTrack(RecordReader& in, const Metadata& model, Track& 
   return keys;
 }
 
-Result<void> readKey(RecordReader& in, const Track& track, Key& key) {
-  const std::size_t at = in.at();
+// at: of the key's first byte in the chunk.
+Result<void> readKey(RecordReader in, std::size_t at, const Track& track, Key& key) {
   key.time = in.f32();
   key.value = in.vec4();
   key.in = in.vec4();
   key.out = in.vec4();
   if (!isFinite(key.time) || !(key.time >= 0)) return corrupt("a key's time is negative or not finite", at);
   if (!isFinite(key.value) || !isFinite(key.in) || !isFinite(key.out))
-    return corrupt("a key holds a number that is not finite", at + 4);
+    return corrupt("a key holds a number that is not finite", at);
   if (track.target == Target::kPartRotation) {
-    if (!isRotation(key.value)) return corrupt("a key's rotation is not a unit quaternion", at + 4);
+    if (!isRotation(key.value)) return corrupt("a key's rotation is not a unit quaternion", at);
   } else if (key.value.w != 0 || key.in.w != 0 || key.out.w != 0) {
-    return corrupt("the unused fourth component of a key is not zero", at + 16);
+    return corrupt("the unused fourth component of a key is not zero", at);
   }
   if (track.interpolation != Interpolation::kCubic &&
       (key.in != glm::vec4(0.0f) || key.out != glm::vec4(0.0f))) {
-    return corrupt("a key has slopes, but the track is not cubic", at + 20);
+    return corrupt("a key has slopes, but the track is not cubic", at);
   }
   return {};
 }
@@ -153,11 +153,15 @@ Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out) {
   }
   if (used_keys != keys) return corrupt("the tracks do not use every key", 12);
 
+  const std::size_t keys_at = in.at();
+  std::size_t next = 0;
   for (const Track& track : out.tracks) {
-    Key* const first = out.keys.data() + (track.keys.data() - out.keys.data());
-    for (std::size_t i = 0; i < track.keys.size(); ++i) {
-      const std::size_t at = in.at();
-      if (const Result<void> read = readKey(in, track, first[i]); !read) return read;
+    Key* const first = out.keys.data() + next;
+    for (std::size_t i = 0; i < track.keys.size(); ++i, ++next) {
+      std::byte record[layout::kKeyRecord];
+      for (std::size_t b = 0; b < layout::kKeyRecord; ++b) record[b] = chunk[keys_at + b * keys + next];
+      const std::size_t at = keys_at + next;
+      if (const Result<void> read = readKey(RecordReader(record), at, track, first[i]); !read) return read;
       if (i > 0 && !(first[i].time > first[i - 1].time))
         return corrupt("the times of a track's keys do not ascend", at);
     }

@@ -26,6 +26,7 @@ class RecordWriter {
     at_ += sizeof(T);
   }
   void count(std::size_t n) { put(static_cast<std::uint32_t>(n)); }
+  void skip(std::size_t bytes) { at_ += bytes; }
   void text(std::string_view text) {
     if (!text.empty()) std::memcpy(out_.data() + at_, text.data(), text.size());
     at_ += text.size();
@@ -243,16 +244,20 @@ bool buildClips(const RawPack& pack, Buffer<std::byte>& out) {
       to.count(track.keys.size());
     }
   }
+  std::byte* const planes = out.data() + out.size() - text - keys * layout::kKeyRecord;
+  std::size_t next = 0;
   for (const RawClip& clip : pack.clips) {
     for (const RawTrack& track : clip.tracks) {
       for (const Key& key : track.keys) {
-        to.put(key.time);
-        to.put(key.value);
-        to.put(key.in);
-        to.put(key.out);
+        static_assert(sizeof(Key) == layout::kKeyRecord);
+        std::byte record[layout::kKeyRecord];
+        layout::store(std::span(record), 0, key);
+        for (std::size_t b = 0; b < layout::kKeyRecord; ++b) planes[b * keys + next] = record[b];
+        ++next;
       }
     }
   }
+  to.skip(keys * layout::kKeyRecord);
   for (const RawClip& clip : pack.clips) to.text(clip.name);
   return true;
 }

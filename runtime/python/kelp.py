@@ -107,7 +107,8 @@ class Unit(enum.IntEnum):
     KNOT = 2
     INSTANCE = 3
     NODE = 4
-    NONE = 5
+    JOINT = 5
+    NONE = 6
 
 
 class PartKind(enum.IntEnum):
@@ -385,6 +386,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "pose_get_knots": (_Handle, c_int32, c_void_p, c_uint32, _p(c_uint32)),
     "pose_get_nodes": (_Handle, c_int32, _p(c_float), c_uint32, _p(c_uint32)),
     "pose_write_nodes": (_Handle, c_int32, _p(_p(c_float)), _p(c_uint32)),
+    "pose_set_joints": (_Handle, _Handle, _p(c_float), c_uint32),
     "pose_set_knots": (_Handle, c_int32, c_void_p, c_uint32),
     "pose_move": (_Handle, c_int32, c_int32, _Floats),
     "pose_set_tangent": (_Handle, c_int32, c_int32, _Floats),
@@ -1073,6 +1075,14 @@ class Pose(_Object):
         memory = _Nodes(self, ctypes.addressof(first.contents), count.value)
         self._nodes.add(memory)
         return np.asarray(memory)
+
+    def set_joints(self, asset: Asset, matrices: npt.ArrayLike) -> None:
+        """Moves the joints of the asset's skin as your own animation says: (joints, 4, 4), meters at rest ->
+        meters now; that is `matrix @ inverse_bind` of a matrix from joint space. Until reset() clips and
+        motions no longer move them."""
+        array = _array(matrices, (None, 4, 4), "matrices")
+        columns = np.ascontiguousarray(array.transpose(0, 2, 1))
+        self._change("set_joints", _of(asset, Asset), _floats(columns), len(columns))
 
     def move(self, part: int, knot: int, offset: npt.ArrayLike) -> None:
         """Moves a knot, in heights of the part; automatic tangents follow."""

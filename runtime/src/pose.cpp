@@ -110,20 +110,24 @@ bool Pose::sameShape(const Pose& other) const {
          PoseCages::alike(*this, other);
 }
 
-Result<void> Pose::setJoints(const Asset& asset, std::span<const glm::mat4x3> matrices) {
+Result<void> Pose::setJoints(const Asset& asset, std::span<const glm::mat4> matrices) {
   const std::span<const Joint> joints = asset.pack().joints();
   if (!fits(asset) || (!joints.empty() && (!cages() || cages()->rest.empty())))
     return Error{ErrorCode::kMisuse, "the pose is of another asset"};
   if (matrices.size() != joints.size())
     return Error{ErrorCode::kMisuse, "there is not one matrix for each joint of the asset"};
   for (std::size_t i = 0; i < matrices.size(); ++i)
-    for (int column = 0; column < 4; ++column)
-      if (!allFinite(matrices[i][column]))
+    for (int column = 0; column < 4; ++column) {
+      if (!allFinite(glm::vec3(matrices[i][column])))
         return Error{ErrorCode::kMisuse, "the matrix of a joint has a number that is not finite", i,
                      Error::Unit::kJoint};
+      if (matrices[i][column].w != (column < 3 ? 0.0f : 1.0f))
+        return Error{ErrorCode::kMisuse, "the matrix of a joint is not affine: its last row is not 0 0 0 1",
+                     i, Error::Unit::kJoint};
+    }
   for (std::size_t i = 0; i < matrices.size(); ++i)
     for (const std::uint32_t part : joints[i].parts)
-      PoseCages::drive(*this, static_cast<int>(part), affine(matrices[i]));
+      PoseCages::drive(*this, static_cast<int>(part), matrices[i]);
   if (!joints.empty()) PoseCages::forgetMotions(*this);
   return {};
 }

@@ -169,6 +169,26 @@ class Poses(Column):
         self.pose.clamp()
         self.pose.check()
 
+    def test_set_joints(self):
+        golden = os.path.join(os.path.dirname(__file__), "../formats/golden/joints.kelp")
+        with kelp.Asset(golden) as asset:
+            pose = kelp.Pose(asset)
+            part = asset.joints[2].parts[0]
+            matrices = np.tile(np.eye(4), (3, 1, 1))
+            matrices[2, :3] = [[1, 2, 0, 0.5], [0, 1, 0, -1], [0.25, 0, 3, 0]]
+            pose.set_joints(asset, matrices)
+            with kelp.Pose(asset) as still:
+                rest = kelp.Instance(asset, still).part_to_world(part)
+            self.near(kelp.Instance(asset, pose).part_to_world(part), matrices[2] @ rest, 1e-5)
+            with self.assertRaises(ValueError):
+                pose.set_joints(asset, matrices[:, :3])
+            matrices[1, 3, 0] = 1
+            with self.assertRaises(kelp.Error) as caught:
+                pose.set_joints(asset, matrices)
+            self.assertEqual((kelp.Result.MISUSE, 1, kelp.Unit.JOINT),
+                             (caught.exception.code, caught.exception.offset, caught.exception.unit))
+            pose.close()
+
     def test_nodes(self):
         self.assertEqual((0, 3), self.pose.nodes(0).shape)
         self.assertEqual((0, 3), self.pose.write_nodes(0).shape)

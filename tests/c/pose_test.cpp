@@ -100,6 +100,37 @@ TEST(CPose, NodesAreReadAndWritten) {
   EXPECT_EQ(nodes, nullptr);
 }
 
+TEST(CPose, JointsAreSet) {
+  const BothAssets assets(packFile("distance"));
+  const std::size_t count = assets.cpp->pack().joints().size();
+  ASSERT_GT(count, 1u);
+  BothPoses poses(assets);
+  Dice dice;
+  std::vector<glm::mat4> matrices;
+  for (std::size_t i = 0; i < count; ++i)
+    matrices.push_back(glm::translate(glm::mat4(dice.in(0.5f, 2)), dice.vec3(3)));
+  for (glm::mat4& matrix : matrices) matrix[3].w = 1;
+  const auto set = [&](kelp_asset asset, std::size_t number) {
+    return kelp_pose_set_joints(poses.c, asset, &matrices[0][0].x, static_cast<std::uint32_t>(number));
+  };
+  ASSERT_KELP(set(assets.c, count));
+  poses.cpp.setJoints(*assets.cpp, matrices).value();
+  const kelp_instance instance = instanceOf(assets.c, poses.c);
+  const int part = static_cast<int>(assets.cpp->pack().joints()[count - 1].parts[0]);
+  glm::mat4 there(0);
+  ASSERT_KELP(kelp_instance_part_to_world(&instance, part, &there[0].x));
+  EXPECT_EQ(there, runtime::partToWorld({assets.cpp.get(), &poses.cpp}, part).value());
+  const auto& to_object = assets.cpp->pack().parts()[static_cast<std::size_t>(part)].to_object;
+  EXPECT_LT(glm::distance(there[3], matrices[count - 1] * glm::vec4(to_object[3], 1)), 1e-4f);
+  EXPECT_KELP(KELP_ERROR_MISUSE, set(assets.c, count - 1));
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_pose_set_joints(poses.c, assets.c, nullptr, 1));
+  EXPECT_KELP(KELP_ERROR_HANDLE, set({}, count));
+  matrices[1][2].y = std::numeric_limits<float>::infinity();
+  EXPECT_KELP(KELP_ERROR_MISUSE, set(assets.c, count));
+  EXPECT_EQ(kelp_unit{KELP_UNIT_JOINT}, lastError().unit);
+  EXPECT_EQ(1u, lastError().offset);
+}
+
 TEST(CPose, KnotsAreSetCheckedAndClamped) {
   const BothAssets assets(packFile("distance"));
   BothPoses poses(assets);

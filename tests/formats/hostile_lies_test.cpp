@@ -20,6 +20,13 @@ using test::set;
 
 constexpr ErrorCode kFeature = ErrorCode::kUnsupportedFeature;
 
+// A number of one of the three keys, whose bytes stand in planes.
+void setKey(Bytes& chunk, std::size_t key, std::size_t at, float number) {
+  Bytes bytes(sizeof number);
+  set(bytes, 0, number);
+  for (std::size_t b = 0; b < bytes.size(); ++b) chunk[100 + 3 * (at + b) + key] = bytes[b];
+}
+
 const Lie kIndexLies[] = {
     {"no chunks", kCorrupt, [](PackSurgeon& s) { s.chunks.clear(); }},
     {"flag unknown", kFeature, [](PackSurgeon& s) { s.chunks[s.find("PART")].flags |= 4; }},
@@ -215,16 +222,16 @@ const Lie kClipLies[] = {
     {"no keys", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 80, 0u); }},
     {"3 keys of 3, and 1", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 80, 3u); }},
     {"keys left over", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 80, 1u); }},
-    {"negative time", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 100, -1.0f); }},
-    {"times descend", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 100, 2.0f); }},
-    {"times equal", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 100, 1.5f); }},
-    {"rotation not a unit", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 116, 1.1f); }},
-    {"rotation not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 104, test::kNan); }},
-    {"slope of a linear track", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 120, 1.0f); }},
+    {"negative time", kCorrupt, [](PackSurgeon& s) { setKey(s.content("CLIP"), 0, 0, -1.0f); }},
+    {"times descend", kCorrupt, [](PackSurgeon& s) { setKey(s.content("CLIP"), 0, 0, 2.0f); }},
+    {"times equal", kCorrupt, [](PackSurgeon& s) { setKey(s.content("CLIP"), 0, 0, 1.5f); }},
+    {"rotation not a unit", kCorrupt, [](PackSurgeon& s) { setKey(s.content("CLIP"), 0, 16, 1.1f); }},
+    {"rotation not a number", kCorrupt, [](PackSurgeon& s) { setKey(s.content("CLIP"), 0, 4, test::kNan); }},
+    {"slope of a linear track", kCorrupt, [](PackSurgeon& s) { setKey(s.content("CLIP"), 0, 20, 1.0f); }},
     {"fourth component of an offset", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 16, 1.0f); }},
-    {"fourth component of a slope", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 48, 1.0f); }},
-    {"slope not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 36, test::kInfinity); }},
+     [](PackSurgeon& s) { setKey(s.content("CLIP"), 2, 16, 1.0f); }},
+    {"fourth component of a slope", kCorrupt, [](PackSurgeon& s) { setKey(s.content("CLIP"), 2, 48, 1.0f); }},
+    {"slope not finite", kCorrupt, [](PackSurgeon& s) { setKey(s.content("CLIP"), 2, 36, test::kInfinity); }},
 };
 
 // The first grid is level 1 of part 0: two cells, the first solid; its page table begins at 8. The second has

@@ -66,10 +66,11 @@ inline bool isCage(const Part& part, std::size_t i, const RawPart& raw) {
   std::vector<Influences> influences = raw.influences;
   for (std::size_t level = 1; level <= i; ++level)
     influences = coarserInfluences(part.cages[level], part.cages[level - 1], influences);
-  return want && std::ranges::equal(cage.influences, influences) && cage.side == want->side &&
-         cage.level == want->level && cage.last_level == want->last_level && cage.grid == want->grid &&
-         bytesOf(cage.words) == bytesOf(want->words) && bytesOf(cage.places) == bytesOf(want->places) &&
-         bytesOf(cage.follows) == bytesOf(want->follows);
+  return want &&
+         std::equal(cage.influences.begin(), cage.influences.end(), influences.begin(), influences.end()) &&
+         cage.side == want->side && cage.level == want->level && cage.last_level == want->last_level &&
+         cage.grid == want->grid && bytesOf(cage.words) == bytesOf(want->words) &&
+         bytesOf(cage.places) == bytesOf(want->places) && bytesOf(cage.follows) == bytesOf(want->follows);
 }
 
 // Reads everything of a pack, pages into memory of the allocator. status: the first error; equal: whether all

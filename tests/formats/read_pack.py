@@ -300,8 +300,10 @@ class Pack:
             need(target <= 1 or knot == 0, "a track of a part names a knot")
             all_tracks.append((part, knot, target, interpolation, count))
         need(sum(t[4] for t in all_tracks) == keys, "number of keys")
+        planes = [table.take("%dB" % keys) for _ in range(52)]
+        all_keys = [struct.unpack("<13f", bytes(record)) for record in zip(*planes)]
         for i, (part, knot, target, interpolation, count) in enumerate(all_tracks):
-            track_keys = [table.take("13f") for _ in range(count)]
+            track_keys, all_keys = all_keys[:count], all_keys[count:]
             need(track_keys[0][0] >= 0 and all(b[0] > a[0] for a, b in zip(track_keys, track_keys[1:])),
                     "times of keys")
             for key in track_keys:
@@ -376,7 +378,8 @@ class Pack:
             for n in counts:
                 its, shares = [next(parts) for _ in range(n)], [next(weights) for _ in range(n - 1)]
                 shares.append(255 - sum(shares))
-                need(all(a < b for a, b in zip(its, its[1:] + [min(len(self.parts), 65536)])), "order of parts")
+                least = its + [min(len(self.parts), 65536)]
+                need(all(a < b for a, b in zip(least, least[1:])), "order of parts")
                 need(own not in its and min(shares) > 0, "a node's own part, or weights")
                 cage.influences.append(list(itertools.chain(*zip(its, shares))) + [0, 0] * (4 - n))
         table.end()

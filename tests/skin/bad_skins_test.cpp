@@ -24,6 +24,7 @@ struct BoxSkin {
   bool animated = true;
   float bind = 0;  // x where the inverse bind matrices move the joints
   float last_time = 1;
+  std::string tip = "[0,0.1,0]";  // where joint 2 is at rest; without matrices it is at 0 in the bind pose
 
   std::string text() const {
     GltfMaker maker;
@@ -47,8 +48,8 @@ struct BoxSkin {
     return maker.text(
         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}]}],"skins":[{"joints":[)" +
         joints + "]" + (bind != 0 ? R"(,"inverseBindMatrices":6)" : "") + R"(}],"nodes":[{)" + node +
-        R"(},{"name":"root",)" + children +
-        R"("translation":[0,0,0]},{"name":"tip","translation":[0,0.1,0]})" + more + "]" +
+        R"(},{"name":"root",)" + children + R"("translation":[0,0,0]},{"name":"tip","translation":)" + tip +
+        "}" + more + "]" +
         (animated
              ? std::string(
                    R"(,"animations":[{"name":"turn","samplers":[{"input":4,"output":5}],"channels":[{"sampler":0,"target":{"node":2,"path":"rotation"}}]}])")
@@ -84,11 +85,26 @@ class BadSkins : public ::testing::Test {
 
 TEST_F(BadSkins, ASoundOneHasAPartForEachJoint) {
   const RawPack pack = baked({});
-  EXPECT_GE(pack.parts.size(), 2u);
+  EXPECT_EQ(pack.parts.size(), 3u);
+  EXPECT_FALSE(pack.parts[0].influences.empty());
   ASSERT_EQ(pack.clips.size(), 1u);
   EXPECT_EQ(pack.clips[0].name, "turn");
   EXPECT_EQ(pack.clips[0].duration, 1.0f);
   EXPECT_TRUE(report.notices.empty()) << report.notices[0];
+}
+
+TEST_F(BadSkins, ASoundOneHasTheVoxelsOfTheModelAtRest) {
+  BoxSkin skin;
+  skin.tip = "[0,0,0]";
+  const RawPack pack = baked(skin), plain = baked(skin, "none");
+  ASSERT_EQ(plain.parts.size(), 1u);
+  EXPECT_EQ(pack.parts[0].to_object, plain.parts[0].to_object);
+  ASSERT_EQ(pack.parts[0].levels.size(), plain.parts[0].levels.size());
+  for (std::size_t i = 0; i < plain.parts[0].levels.size(); ++i) {
+    EXPECT_EQ(pack.parts[0].levels[i].cells, plain.parts[0].levels[i].cells);
+    EXPECT_EQ(pack.parts[0].levels[i].codes, plain.parts[0].levels[i].codes);
+    EXPECT_EQ(pack.parts[0].levels[i].attributes, plain.parts[0].levels[i].attributes);
+  }
 }
 
 TEST_F(BadSkins, WeightsThatDoNotSumToOne) {
@@ -151,7 +167,7 @@ TEST_F(BadSkins, WithoutMotionOrMeshThereIsNothingToDivide) {
   BoxSkin still;
   still.animated = false;
   EXPECT_EQ(baked(still).parts.size(), 1u);
-  EXPECT_EQ(baked(still, kSkinRig).parts.size(), 2u);  // a part for each joint all the same
+  EXPECT_EQ(baked(still, kSkinRig).parts.size(), 3u);  // a part for each joint all the same
   EXPECT_EQ(baked({}, "none").parts.size(), 1u);
   EXPECT_TRUE(noted("'turn'"));
   BoxSkin unused;

@@ -137,6 +137,13 @@ kelp_result kelp_pose_write_nodes(kelp_pose pose, int32_t part, float** nodes, u
   });
 }
 
+kelp_result kelp_pose_set_joints(kelp_pose pose, kelp_asset asset, const float* matrices, uint32_t count) {
+  return withPoseOf(pose, asset, [=](Pose& of, const Asset& its) {
+    if (!matrices && count > 0) return nullPointer();
+    return answer(of.setJoints(its, {reinterpret_cast<const glm::mat4*>(matrices), count}));
+  });
+}
+
 kelp_result kelp_pose_reset(kelp_pose pose) {
   return withPose(pose, [](Pose& of) {
     of.reset();

@@ -42,7 +42,7 @@ class BentMap {
  private:
   // By how much a point moves along the spline's end for each voxel.
   glm::vec3 along(float y) const {
-    if (arcs_) return arcs_->arcs[y > 0 ? arcs_->count - 1 : 0].rise * sectionAt(*arcs_, y)[1];
+    if (arcs_) return sectionAt(*arcs_, y)[1] / arcs_->arcs[y > 0 ? arcs_->count - 1 : 0].rise;
     const std::span<const Knot> knots = posed_.knots;
     const Knot& knot = y > 0 ? knots.back() : knots.front();
     const float rise = knots.back().position.y - knots.front().position.y;
@@ -138,6 +138,7 @@ std::span<const glm::mat4> PoseCages::motionsOf(const Pose& pose) {
         nodes.maps[i] = bent ? glm::mat4(0) : from_object * all.motions[i] * to_object;
         nodes.bent = nodes.bent || bent;
       }
+      nodes.around = nodes.bent ? Box{} : boundsOfMaps(pose, static_cast<int>(body));
     }
     return true;
   });
@@ -175,12 +176,17 @@ bool PoseCages::follow(const Pose& pose, int part, std::span<const Influences> i
 Box PoseCages::followedBounds(const Pose& pose, int part) {
   motionsOf(pose);
   const NodesInPose& in = *of(pose, part);
+  if (!in.bent) return in.around;
   Box all;
-  if (in.bent) {
-    if (!place(pose, part)) return {};
-    for (std::uint32_t i = 0; i < in.cages[0].node_count; ++i) all.add(in.cages[0].nodes[i]);
-    return all;
-  }
+  if (!place(pose, part)) return all;
+  for (std::uint32_t i = 0; i < in.cages[0].node_count; ++i) all.add(in.cages[0].nodes[i]);
+  return all;
+}
+
+// Each node lies between the places to which its parts take it.
+Box PoseCages::boundsOfMaps(const Pose& pose, int part) {
+  const NodesInPose& in = *of(pose, part);
+  Box all;
   for (std::size_t i = 0; i < in.boxes.size(); ++i) {
     if (in.boxes[i].empty()) continue;
     const Box box = transformed(in.maps[i], in.boxes[i]);

@@ -81,7 +81,8 @@ struct NodesInPose {
   std::span<const Influences> influences;
   std::span<const Box> boxes;
   std::span<glm::mat4> maps;
-  bool bent;  // one of these parts bends
+  bool bent;   // one of these parts bends
+  Box around;  // all nodes, unless one bends; empty if that is not finite
 
   bool followsParts() const { return !influences.empty() && !written; }
 };
@@ -126,8 +127,9 @@ struct PoseCages {
   // is too far away, and they are at rest. places: as Cage::places.
   static bool follow(const Pose& pose, int part, std::span<const Influences> influences,
                      const std::uint32_t* places, int side, glm::vec3* nodes);
-  // A box around all nodes of all cages. Empty if it is not finite.
+  // A box around all nodes of all cages; if parts bend, of the finest. Empty if it is not finite.
   static Box followedBounds(const Pose& pose, int part);
+  static Box boundsOfMaps(const Pose& pose, int part);
   // True if the pose has memory for these cages.
   static bool fits(const Pose& pose, std::span<const Part> parts);
   static bool alike(const Pose& a, const Pose& b);

@@ -372,8 +372,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   importModel(job);
   frameParts(job);
   const bool skinned = job.model.parts.front().skin.has_value();
-  // Faults are reported before the long work.
-  if (!skinned) rigParts(job.model, input, job.pack, report);
+  if (!skinned) rigParts(job.model, input, job.pack, report);  // faults are told before the long work
   clock.begin("voxelize");
   voxelizeParts(job);
   if (skinned) {

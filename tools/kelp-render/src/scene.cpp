@@ -78,6 +78,11 @@ void checkDistances(const Options& options, const std::string& path, const runti
 // Cages of a solid part: cells as it has them, or else of 8 voxels, or of 16 if that is too many.
 RawCages cagesOf(const std::string& path, const Pack& pack, int index) {
   const Part& part = pack.parts()[static_cast<std::size_t>(index)];
+  if (!part.cages.empty() && !part.cages[0].influences.empty())
+    throw ToolError(Exit::kUnsupported,
+                    fmt::format("{}: --bend: the cage of part {} follows joints, which have "
+                                "no spline; leave --bend out",
+                                path, part.name));
   const int longest = std::max({part.size.x, part.size.y, part.size.z});
   const int cell = !part.cages.empty() ? part.cages[0].side : longest > 8 * kMostCageCells ? 16 : 8;
   if (longest > cell * kMostCageCells)
@@ -88,7 +93,8 @@ RawCages cagesOf(const std::string& path, const Pack& pack, int index) {
   // Level 0 in bricks, as bytes, as bits.
   if (2 * denseCount(part.size) + fields::SolidBits::bytes(part.size) > mostMemory()) failTooLarge(path);
   return {cell,
-          fields::buildCages(checkPack(path, readRawLevel(pack, index, 0)), part.size, part.levels, cell)};
+          fields::buildCages(checkPack(path, readRawLevel(pack, index, 0)), part.size, part.levels, cell),
+          {}};
 }
 
 }  // namespace

@@ -12,37 +12,25 @@
 
 namespace kelp::bake {
 
-CagePlaces::CagePlaces(const fields::SolidBits& solid, const VoxelLabels& labels, int cell)
-    : solid_(solid), labels_(labels) {
-  raw_ = std::move(fields::buildCages(solid, 1, cell, labels).front());
-  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;
-  Result<Cage> made = makeCage(raw_.source(), solid.size(), 1, cell, 0, nullptr, kMostBytes, memory_);
-  if (!made && made.error().code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
-  if (!made) throw std::length_error(made.error().detail);
-  cage_ = *made;
-  first_cells_.assign(raw_.blocks.size(), kCageOutside);
-  for (std::uint32_t c = cage_.cells(); c-- > 0;) first_cells_[denseIndex(cage_.grid, cage_.place(c))] = c;
-}
-
-std::optional<glm::ivec3> CagePlaces::nearestVoxel(const glm::dvec3& point,
-                                                   std::optional<std::uint16_t> label) const {
+std::optional<glm::ivec3> nearestVoxel(const fields::SolidBits& solid, const VoxelLabels& labels,
+                                       const glm::dvec3& point, std::uint16_t label) {
   constexpr int kFarthest = 6;
   const glm::ivec3 middle(
-      glm::clamp(glm::floor(point), glm::dvec3(-kFarthest), glm::dvec3(solid_.size() + kFarthest)));
+      glm::clamp(glm::floor(point), glm::dvec3(-kFarthest), glm::dvec3(solid.size() + kFarthest)));
   std::optional<glm::ivec3> best;
   double nearest = 0;
   for (int reach = 0; reach <= kFarthest; ++reach) {
     // All of a farther shell is at least so far away.
     if (best && (reach - 0.5) * (reach - 0.5) > nearest) break;
-    const glm::ivec3 low = glm::max(middle - reach, 0), high = glm::min(middle + reach, solid_.size() - 1);
+    const glm::ivec3 low = glm::max(middle - reach, 0), high = glm::min(middle + reach, solid.size() - 1);
     for (int z = low.z; z <= high.z; ++z) {
       for (int y = low.y; y <= high.y; ++y) {
         const bool whole = std::abs(z - middle.z) == reach || std::abs(y - middle.y) == reach;
         for (int x = low.x; x <= high.x; ++x) {
           if (!whole && std::abs(x - middle.x) != reach) continue;
           const glm::ivec3 at(x, y, z);
-          if (!solid_.isSolid(at)) continue;
-          if (label && !labels_.empty() && labels_[denseIndex(solid_.size(), at)] != *label) continue;
+          if (!solid.isSolid(at)) continue;
+          if (!labels.empty() && labels[denseIndex(solid.size(), at)] != label) continue;
           const glm::dvec3 apart = glm::dvec3(at) + 0.5 - point;
           const double distance = glm::dot(apart, apart);
           if (best && distance >= nearest) continue;
@@ -53,6 +41,17 @@ std::optional<glm::ivec3> CagePlaces::nearestVoxel(const glm::dvec3& point,
     }
   }
   return best;
+}
+
+CagePlaces::CagePlaces(const fields::SolidBits& solid, const VoxelLabels& labels, int cell) {
+  raw_ = std::move(fields::buildCages(solid, 1, cell, labels).front());
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;
+  Result<Cage> made = makeCage(raw_.source(), solid.size(), 1, cell, 0, nullptr, kMostBytes, memory_);
+  if (!made && made.error().code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
+  if (!made) throw std::length_error(made.error().detail);
+  cage_ = *made;
+  first_cells_.assign(raw_.blocks.size(), kCageOutside);
+  for (std::uint32_t c = cage_.cells(); c-- > 0;) first_cells_[denseIndex(cage_.grid, cage_.place(c))] = c;
 }
 
 std::uint32_t CagePlaces::cellOf(const glm::ivec3& voxel) const {
@@ -66,10 +65,8 @@ std::uint32_t CagePlaces::cellOf(const glm::ivec3& voxel) const {
   return kCageOutside;
 }
 
-std::optional<CagePlaces::Place> CagePlaces::find(const glm::dvec3& point,
-                                                  std::optional<std::uint16_t> label) const {
-  const std::optional<glm::ivec3> voxel = nearestVoxel(point, label);
-  const std::uint32_t cell = voxel ? cellOf(*voxel) : kCageOutside;
+std::optional<CagePlaces::Place> CagePlaces::find(const glm::dvec3& point, const glm::ivec3& voxel) const {
+  const std::uint32_t cell = cellOf(voxel);
   if (cell == kCageOutside) return std::nullopt;
   const glm::dvec3 in = point / static_cast<double>(cage_.side) - glm::dvec3(cage_.place(cell));
   // The tetrahedron in whose order of axes the coordinates descend.

@@ -18,9 +18,13 @@ namespace kelp::bake {
 // Labels of voxels, dense, x fastest; empty: all have one.
 using VoxelLabels = std::vector<std::uint16_t>;
 
+// The solid voxel with that label that is nearest to a point; none: it is farther than a few voxels.
+std::optional<glm::ivec3> nearestVoxel(const fields::SolidBits& solid, const VoxelLabels& labels,
+                                       const glm::dvec3& point, std::uint16_t label);
+
 class CagePlaces {
  public:
-  // `cell`: side of the cells. The arguments must outlive the object.
+  // `cell`: side of the cells.
   CagePlaces(const fields::SolidBits& solid, const VoxelLabels& labels, int cell);
 
   // Nodes of a tetrahedron; the weights sum to 1, and take these nodes to the point.
@@ -28,19 +32,15 @@ class CagePlaces {
     std::uint32_t nodes[4];
     double weights[4];
   };
-  // In the cell of the nearest solid voxel with that label, or of any if there is no label. None: no such
-  // voxel is within a few voxels, or it is in no cell because all around is solid.
-  std::optional<Place> find(const glm::dvec3& point, std::optional<std::uint16_t> label) const;
+  // In the cell of a solid voxel. None: it is in no cell because all around is solid.
+  std::optional<Place> find(const glm::dvec3& point, const glm::ivec3& voxel) const;
 
   const Cage& cage() const { return cage_; }
   const RawCage& raw() const { return raw_; }
 
  private:
-  std::optional<glm::ivec3> nearestVoxel(const glm::dvec3& point, std::optional<std::uint16_t> label) const;
   std::uint32_t cellOf(const glm::ivec3& voxel) const;
 
-  const fields::SolidBits& solid_;
-  const VoxelLabels& labels_;
   RawCage raw_;
   CageMemory memory_;
   Cage cage_;

@@ -43,17 +43,29 @@ std::vector<glm::dvec3> posedNodes(const Cage& cage, std::span<const Influences>
   return nodes;
 }
 
-// The least distance that, with those below it, has this share of the weight.
-double quantile(std::vector<std::pair<double, double>>& weighted, double share) {
-  std::sort(weighted.begin(), weighted.end());
-  double all = 0, below = 0;
-  for (const auto& entry : weighted) all += entry.second;
-  for (const auto& [distance, weight] : weighted) {
-    below += weight;
-    if (below >= share * all) return distance;
+// Distances by area, counted in steps.
+class Histogram {
+ public:
+  void add(double distance, double area) {
+    const double step = std::min(distance * kSteps, static_cast<double>(areas_.size() - 1));
+    areas_[static_cast<std::size_t>(step)] += area;
+    sum_ += area * distance;
+    area_ += area;
+    max_ = std::max(max_, distance);
   }
-  return weighted.empty() ? 0 : weighted.back().first;
-}
+  SkinDistances distances() const {
+    if (!(area_ > 0)) return {};
+    double below = 0;
+    std::size_t step = 0;
+    while (step + 1 < areas_.size() && (below += areas_[step]) < 0.95 * area_) ++step;
+    return {sum_ / area_, std::min(static_cast<double>(step + 1) / kSteps, max_), max_};
+  }
+
+ private:
+  static constexpr int kSteps = 512, kFarthest = 64;  // of a voxel; voxels
+  std::vector<double> areas_ = std::vector<double>(std::size_t{kSteps} * kFarthest, 0);
+  double sum_ = 0, area_ = 0, max_ = 0;
+};
 
 }  // namespace
 
@@ -90,8 +102,8 @@ std::vector<JointMotions> inventedMoments(const SourceSkin& skin, const Frame& f
 CageFit fitOf(const SkinSamples& samples, const SamplePlaces& places, const Cage& cage,
               std::span<const Influences> influences, std::span<const JointMotions> moments) {
   CageFit fit;
-  std::vector<std::pair<double, double>> distances;  // and areas
-  double sum = 0, area = 0;
+  Histogram all;
+  double most = -1;
   for (const JointMotions& motions : moments) {
     const std::vector<glm::dvec3> nodes = posedNodes(cage, influences, motions);
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -99,16 +111,13 @@ CageFit fitOf(const SkinSamples& samples, const SamplePlaces& places, const Cage
       glm::dvec3 at(0);
       for (int k = 0; k < 4; ++k) at += places[i]->weights[k] * nodes[places[i]->nodes[k]];
       const double distance = glm::distance(at, skinnedAt(samples, i, motions));
-      distances.emplace_back(distance, samples.areas[i]);
-      sum += samples.areas[i] * distance;
-      area += samples.areas[i];
-      if (distance < fit.distances.max) continue;
-      fit.distances.max = distance;
+      all.add(distance, samples.areas[i]);
+      if (distance <= most) continue;
+      most = distance;
       fit.joint = samples.heaviestJoint(i);
     }
   }
-  if (area > 0) fit.distances.mean = sum / area;
-  fit.distances.p95 = quantile(distances, 0.95);
+  fit.distances = all.distances();
   return fit;
 }
 

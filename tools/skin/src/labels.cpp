@@ -19,52 +19,6 @@ namespace {
 constexpr double kAlike = 0.4;
 constexpr std::uint32_t kMostLabels = 65535;
 
-// Finds samples by the voxels that they are in.
-class SampleFinder {
- public:
-  SampleFinder(const SkinSamples& samples, const glm::ivec3& size) : samples_(samples), size_(size) {
-    for (std::uint32_t i = 0; i < samples.size(); ++i)
-      of_voxels_.emplace_back(denseIndex(size_, voxelOf(samples.positions[i])), i);
-    std::sort(of_voxels_.begin(), of_voxels_.end());
-  }
-
-  // The sample nearest to a voxel's center.
-  std::uint32_t nearest(const glm::ivec3& voxel) const {
-    const glm::dvec3 center = glm::dvec3(voxel) + 0.5;
-    std::uint32_t best = 0;
-    double least = -1;
-    const int most = std::max({size_.x, size_.y, size_.z});
-    // Twice as far each time; what is nearer than the reach is found.
-    for (int reach = 2; least < 0 || least > reach * reach; reach *= 2) {
-      const glm::ivec3 low = glm::max(voxel - reach, 0), high = glm::min(voxel + reach, size_ - 1);
-      for (int z = low.z; z <= high.z; ++z)
-        for (int y = low.y; y <= high.y; ++y) {
-          const std::pair first(denseIndex(size_, low.x, y, z), 0u);
-          const std::size_t last = denseIndex(size_, high.x, y, z);
-          for (auto at = std::lower_bound(of_voxels_.begin(), of_voxels_.end(), first);
-               at != of_voxels_.end() && at->first <= last; ++at) {
-            const glm::dvec3 apart = samples_.positions[at->second] - center;
-            const double distance = glm::dot(apart, apart);
-            if (least >= 0 && distance >= least) continue;
-            least = distance;
-            best = at->second;
-          }
-        }
-      if (reach > 2 * most) break;
-    }
-    return best;
-  }
-
- private:
-  glm::ivec3 voxelOf(const glm::dvec3& at) const {
-    return glm::ivec3(glm::clamp(glm::floor(at), glm::dvec3(0), glm::dvec3(size_ - 1)));
-  }
-
-  const SkinSamples& samples_;
-  glm::ivec3 size_;
-  std::vector<std::pair<std::size_t, std::uint32_t>> of_voxels_;
-};
-
 // How much the weights of two samples differ: 0 .. 1.
 double difference(const SkinSamples& samples, std::uint32_t a, std::uint32_t b) {
   double shared = 0;
@@ -114,7 +68,7 @@ ComponentLabels labelComponents(const SkinSamples& samples, std::size_t componen
   const SampleFinder finder(samples, whole.size);
   parallelRanges(nearest.size(), 1024, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      nearest[i] = finder.nearest(voxelAt(whole.size, whole.surface[i].index));
+      nearest[i] = finder.nearest(glm::dvec3(voxelAt(whole.size, whole.surface[i].index)) + 0.5);
   });
   std::vector<std::uint32_t> above(components);
   std::iota(above.begin(), above.end(), 0u);

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "kelp/common/dense_index.h"
+
 namespace kelp::bake {
 namespace {
 
@@ -46,6 +48,10 @@ void addVertex(const SourceSkin& skin, std::uint32_t vertex, double share, std::
     else
       same->weight += weight;
   }
+}
+
+glm::ivec3 voxelIn(const glm::ivec3& size, const glm::dvec3& at) {
+  return glm::ivec3(glm::clamp(glm::floor(at), glm::dvec3(0), glm::dvec3(size - 1)));
 }
 
 }  // namespace
@@ -102,6 +108,38 @@ SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const F
     }
   }
   return samples;
+}
+
+SampleFinder::SampleFinder(const SkinSamples& samples, const glm::ivec3& size)
+    : samples_(samples), size_(size) {
+  for (std::uint32_t i = 0; i < samples.size(); ++i)
+    of_voxels_.emplace_back(denseIndex(size_, voxelIn(size_, samples.positions[i])), i);
+  std::sort(of_voxels_.begin(), of_voxels_.end());
+}
+
+std::uint32_t SampleFinder::nearest(const glm::dvec3& point) const {
+  const glm::ivec3 voxel = voxelIn(size_, point);
+  std::uint32_t best = 0;
+  double least = -1;
+  // Twice as far each time: what is nearer than the reach is found then.
+  const int most = 2 * std::max({size_.x, size_.y, size_.z});
+  for (int reach = 2; reach < 2 * most && (least < 0 || least > (reach / 2.0) * (reach / 2.0)); reach *= 2) {
+    const glm::ivec3 low = glm::max(voxel - reach, 0), high = glm::min(voxel + reach, size_ - 1);
+    for (int z = low.z; z <= high.z; ++z)
+      for (int y = low.y; y <= high.y; ++y) {
+        const std::pair first(denseIndex(size_, low.x, y, z), 0u);
+        const std::size_t last = denseIndex(size_, high.x, y, z);
+        for (auto at = std::lower_bound(of_voxels_.begin(), of_voxels_.end(), first);
+             at != of_voxels_.end() && at->first <= last; ++at) {
+          const glm::dvec3 apart = samples_.positions[at->second] - point;
+          const double distance = glm::dot(apart, apart);
+          if (least >= 0 && distance >= least) continue;
+          least = distance;
+          best = at->second;
+        }
+      }
+  }
+  return best;
 }
 
 std::vector<std::uint32_t> componentsOf(const TriangleSoup& soup) {

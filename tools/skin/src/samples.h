@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -39,6 +40,20 @@ struct SkinSamples {
 SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame,
                        const std::vector<std::uint32_t>& components, double edge, const glm::dvec2& inside,
                        std::size_t most);
+
+// Finds samples by the voxels that they are in.
+class SampleFinder {
+ public:
+  // size: voxels of the box. The samples must outlive the object.
+  SampleFinder(const SkinSamples& samples, const glm::ivec3& size);
+  // The nearest sample to a point of the box.
+  std::uint32_t nearest(const glm::dvec3& point) const;
+
+ private:
+  const SkinSamples& samples_;
+  glm::ivec3 size_;
+  std::vector<std::pair<std::size_t, std::uint32_t>> of_voxels_;
+};
 
 // Which connected component of the mesh each triangle is of; those that share a vertex are of one. Numbered
 // in the order of their first triangles.

@@ -23,26 +23,35 @@ constexpr double kMostMean = 0.3, kMostP95 = 1.0;  // voxels: cells are chosen s
 constexpr double kEdge = 1.5;                      // voxels between samples
 constexpr double kKeys = 0.01;                     // voxels: tolerance of keys
 
+// Samples, and the voxels in whose cells they are.
+struct PlacedSamples {
+  SkinSamples samples;
+  std::vector<std::optional<glm::ivec3>> voxels;
+
+  void findVoxels(const fields::SolidBits& solid, const ComponentLabels& labels, int threads) {
+    voxels.resize(samples.size());
+    parallelRanges(samples.size(), 1024, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        voxels[i] = nearestVoxel(solid, labels.voxels, samples.positions[i],
+                                 labels.of_components[samples.components[i]]);
+    });
+  }
+  SamplePlaces in(const CagePlaces& cage) const {
+    SamplePlaces places(samples.size());
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      if (voxels[i]) places[i] = cage.find(samples.positions[i], *voxels[i]);
+    return places;
+  }
+};
+
 // Everything by which a cage is judged, whatever its cells.
 struct SkinBody {
   const SourceSkin& skin;
   const Frame& frame;
   fields::SolidBits solid;
-  SkinSamples samples, judged;  // the solver's, and others
   ComponentLabels labels;
+  PlacedSamples known, judged;  // the solver's, and others
   int threads;
-
-  std::optional<std::uint16_t> labelOf(const SkinSamples& of, std::size_t i) const {
-    if (labels.voxels.empty()) return std::nullopt;
-    return labels.of_components[of.components[i]];
-  }
-  SamplePlaces placesOf(const SkinSamples& of, const CagePlaces& cage) const {
-    SamplePlaces places(of.size());
-    parallelRanges(of.size(), 1024, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) places[i] = cage.find(of.positions[i], labelOf(of, i));
-    });
-    return places;
-  }
 };
 
 // A cage of some cells.
@@ -51,13 +60,13 @@ struct TriedCage {
   std::vector<Influences> influences;
   SamplePlaces judged;
 
-  TriedCage(const SkinBody& body, int cell) : places(body.solid, body.labels.voxels, cell) {
-    SamplePlaces known = body.placesOf(body.samples, places);
-    judged = body.placesOf(body.judged, places);
-    influences = weightsOfNodes(body.samples, known, places.cage(), body.skin.joints.size(), body.threads);
-  }
+  TriedCage(const SkinBody& body, int cell)
+      : places(body.solid, body.labels.voxels, cell),
+        influences(weightsOfNodes(body.known.samples, body.known.in(places), places.cage(),
+                                  body.skin.joints.size(), body.threads)),
+        judged(body.judged.in(places)) {}
   CageFit fit(const SkinBody& body, std::span<const JointMotions> moments) const {
-    return fitOf(body.judged, judged, places.cage(), influences, moments);
+    return fitOf(body.judged.samples, judged, places.cage(), influences, moments);
   }
 };
 
@@ -116,17 +125,20 @@ SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fram
   report(0);
   constexpr std::size_t kMostSamples = 300000, kMostJudged = 20000;
   const std::vector<std::uint32_t> components = componentsOf(soup);
-  fields::Occupancy occupancy{whole.size, whole.solid};
+  const auto sample = [&](const glm::dvec2& inside, std::size_t most) {
+    return PlacedSamples{sampleSkin(soup, skin, frame, components, kEdge, inside, most), {}};
+  };
   SkinBody body{skin,
                 frame,
-                fields::SolidBits(occupancy, threads),
-                sampleSkin(soup, skin, frame, components, kEdge, glm::dvec2(1.0 / 3), kMostSamples),
-                sampleSkin(soup, skin, frame, components, kEdge, glm::dvec2(0.15, 0.7), kMostJudged),
+                fields::SolidBits(fields::Occupancy{whole.size, whole.solid}, threads),
                 {},
+                sample(glm::dvec2(1.0 / 3), kMostSamples),
+                sample({0.15, 0.7}, kMostJudged),
                 threads};
-  occupancy = {};
-  body.labels = labelComponents(body.samples, *std::max_element(components.begin(), components.end()) + 1,
-                                whole, threads);
+  body.labels = labelComponents(body.known.samples,
+                                *std::max_element(components.begin(), components.end()) + 1, whole, threads);
+  for (PlacedSamples* samples : {&body.known, &body.judged})
+    samples->findVoxels(body.solid, body.labels, threads);
   report(0.2);
   const int longest = std::max({whole.size.x, whole.size.y, whole.size.z});
   const std::vector<std::vector<JointMotions>> moments = judgedMoments(body);
@@ -140,10 +152,14 @@ SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fram
   }
   SkinCage out;
   out.cell = side;
-  for (std::uint32_t c = 0; c < skin.clips.size(); ++c) {
-    const CageFit its = cage->fit(body, momentsOfClip(skin, c, frame, kMoments));
-    out.fits.push_back({skin.clips[c].name, its.distances, skin.joints[its.joint].name});
-  }
+  out.fits.resize(skin.clips.size());
+  parallelRanges(out.fits.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      const CageFit its =
+          cage->fit(body, momentsOfClip(skin, static_cast<std::uint32_t>(c), frame, kMoments));
+      out.fits[c] = {skin.clips[c].name, its.distances, skin.joints[its.joint].name};
+    }
+  });
   out.joints = jointsOfSkin(skin, nodesOf(body, *cage), kKeys * frame.voxel_size, threads);
   addJointSockets(skin, frame, out.joints, out.notices);
   report(0.9);

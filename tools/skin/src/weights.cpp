@@ -55,7 +55,7 @@ Matrix equations(const SkinSamples& samples, const SamplePlaces& places, const C
         if (i == j) diagonal += value;
       }
   }
-  diagonal /= cage.nodes();
+  diagonal = diagonal > 0 ? diagonal / cage.nodes() : 1;
   for (const auto& [a, b] : edges) {
     const double stiffness = kSmooth * diagonal;
     add(a, a, stiffness);
@@ -110,6 +110,7 @@ void followNearest(const SkinSamples& samples, const SamplePlaces& places, const
     const std::uint32_t one = find(a), other = find(b);
     above[std::max(one, other)] = std::min(one, other);
   }
+  const SampleFinder finder(samples, cage.side * cage.grid);
   std::vector<bool> sampled(cage.nodes(), false);
   for (const auto& place : places)
     if (place) sampled[find(place->nodes[0])] = true;
@@ -119,12 +120,9 @@ void followNearest(const SkinSamples& samples, const SamplePlaces& places, const
       weights[n] = weights[find(n)];
       continue;
     }
-    const glm::dvec3 at(cage.rest(n));
-    std::size_t best = 0;
-    for (std::size_t s = 1; s < samples.size(); ++s)
-      if (glm::distance(samples.positions[s], at) < glm::distance(samples.positions[best], at)) best = s;
     weights[n].clear();
-    for (const SkinSamples::Weighted& w : samples.weights(best)) weights[n].push_back({w.weight, w.joint});
+    for (const SkinSamples::Weighted& w : samples.weights(finder.nearest(glm::dvec3(cage.rest(n)))))
+      weights[n].push_back({w.weight, w.joint});
   }
 }
 

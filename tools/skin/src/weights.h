@@ -16,7 +16,7 @@ using SamplePlaces = std::vector<std::optional<CagePlaces::Place>>;  // one a sa
 
 // Weights with which the cage, interpolated, moves the samples as the skin does, by least squares; of each
 // node the four largest, in 255ths. `parts` of the result are joints. Nodes far from samples have what is
-// around them; pieces without samples follow the nearest one. At least one sample has a place.
+// around them; pieces without samples follow the nearest one. At least one sample, with a place or without.
 std::vector<Influences> weightsOfNodes(const SkinSamples& samples, const SamplePlaces& places,
                                        const Cage& cage, std::size_t joints, int threads);
 

@@ -137,7 +137,8 @@ struct Cage {
   std::uint32_t nodes() const { return words[1]; }
   std::uint32_t faces() const { return words[2]; }
   std::uint64_t bytes() const {
-    return words.size_bytes() + places.size_bytes() + follows.size_bytes() + leaves.size_bytes();
+    return words.size_bytes() + places.size_bytes() + follows.size_bytes() + influences.size_bytes() +
+           leaves.size_bytes();
   }
   // kCageCellWords words.
   const std::uint32_t* cell(std::uint32_t i) const { return &words[kCageHeader + kCageCellWords * i]; }

@@ -69,12 +69,12 @@ class Pose {
   std::span<const glm::vec3> nodes(int part) const;
 
   // Moves the joints of a skin (asset.pack().joints()) as the host's own animation says: one matrix for each,
-  // object at rest -> object now; of the joint's matrix G in the object and its Joint::inverse_bind, G *
-  // inverse_bind. It may scale, shear, mirror and flatten. A joint's parts go there, and what follows them;
-  // their own motions and their parents' no longer count, until reset(). Copies; allocates nothing. kMisuse,
-  // with nothing changed: the pose does not fit the asset, the number of matrices is not that of its joints,
-  // or a number is not finite; `offset` is the index of the joint.
-  Result<void> setJoints(const Asset& asset, std::span<const glm::mat4x3> matrices);
+  // object at rest -> object now. If M is where your skeleton has a joint, joint space -> object, that is M *
+  // inverse_bind. It may scale, shear, mirror and flatten. The joint's parts go there, with all that follows
+  // them; their own motions and their parents' no longer count, until reset(). Copies; allocates nothing.
+  // kMisuse, with nothing changed: the pose does not fit the asset, the number of matrices is not that of its
+  // joints, or one is not affine, or has a number that is not finite; `offset` is the index of the joint.
+  Result<void> setJoints(const Asset& asset, std::span<const glm::mat4> matrices);
 
   void reset();  // back to rest; no node and no joint is the host's any more
   // Copies `other`. kMisuse, with nothing changed, if its parts, knots or nodes differ in number.

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <numeric>
 #include <random>
@@ -244,14 +243,14 @@ inline std::vector<Influences> coarserInfluences(const Cage& cage, const Cage& f
     std::uint32_t nearest = cage.follows[node];
     if (nearest & kFollowsAll) {
       const std::uint32_t cell = nearest & ~kFollowsAll;
-      const auto isNearer = [&](int a, int b) {
-        const auto far = [&](int corner) {
-          const glm::ivec3 off = finer.rest(finer.node(cell, corner)) - cage.rest(node);
-          return std::int64_t{off.x} * off.x + std::int64_t{off.y} * off.y + std::int64_t{off.z} * off.z;
-        };
-        return far(a) < far(b);
+      const auto far = [&](int corner) {
+        const glm::ivec3 off = finer.rest(finer.node(cell, corner)) - cage.rest(node);
+        return std::int64_t{off.x} * off.x + std::int64_t{off.y} * off.y + std::int64_t{off.z} * off.z;
       };
-      nearest = finer.node(cell, std::ranges::min(std::array{0, 1, 2, 3, 4, 5, 6, 7}, isNearer));
+      int best = 0;
+      for (int corner = 1; corner < 8; ++corner)
+        if (far(corner) < far(best)) best = corner;
+      nearest = finer.node(cell, best);
     }
     influences.push_back(of_finer[nearest]);
   }

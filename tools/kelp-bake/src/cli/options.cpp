@@ -131,8 +131,8 @@ void addModelOptions(Adder& add, bake::Settings& settings, Options& options) {
              bend(settings));
   add.option(
       "--cell", "2|4|8|16",
-      "the side of a cage's cells in voxels, of parts whose rig does not say (default 8); at most 256 of "
-      "them along a part",
+      "the side of a cage's cells in voxels, of parts whose rig does not say (default 8; of skins: as large "
+      "as the fit allows); at most 256 of them along a part",
       number(settings.cell));
   add.heading("Model");
   add.option("--scene", "NAME|INDEX",

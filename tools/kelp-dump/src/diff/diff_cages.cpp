@@ -34,6 +34,9 @@ void diffCages(const Part& a, const Part& b, std::vector<Difference>& out) {
       };
       if (differ(u.words, v.words) || differ(u.places, v.places) || differ(u.follows, v.follows))
         say(fmt::format("other cells, pieces or nodes for level {}", u.level));
+      else if (i == 0 && !std::equal(u.influences.begin(), u.influences.end(), v.influences.begin(),
+                                     v.influences.end()))
+        say("nodes follow other parts, or by other weights");
     }
   }
 }

@@ -24,7 +24,10 @@ Json cageJson(const Part& part) {
                      {"pieces", its.pieces},
                      {"memory_bytes", its.memory}});
   }
-  return {{"cell", part.cages[0].side}, {"spline", toString(part.bend)}, {"cages", cages}};
+  Json json = {{"cell", part.cages[0].side}, {"spline", toString(part.bend)}, {"cages", cages}};
+  if (const std::set<std::uint16_t> followed = followedParts(part); !followed.empty())
+    json["follows"] = followed;
+  return json;
 }
 
 Json partJson(const PartSummary& p) {

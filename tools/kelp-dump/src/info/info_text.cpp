@@ -142,6 +142,8 @@ std::string partText(const Summary& summary, std::size_t index) {
     text += fmt::format(" {:.3g}", part.knots[k].at);
   if (part.knots.size() > 8) text += " ...";
   if (!part.cages.empty()) text += fmt::format("; cells of {}", part.cages[0].side);
+  if (const std::size_t parts = followedParts(part).size(); parts > 0)
+    text += fmt::format(", whose nodes follow {} part{}", parts, parts == 1 ? "" : "s");
   if (part.bend == Bend::kSweep) text += "; swept";
   if (part.roll != 0) text += fmt::format(", turned by {:.4g} degrees", rollInDegrees(part.roll));
   if (part.parent >= 0) text += fmt::format("; follows part {}", part.parent);

@@ -162,6 +162,14 @@ CageSummary summarize(const Cage& cage) {
   return out;
 }
 
+std::set<std::uint16_t> followedParts(const Part& part) {
+  std::set<std::uint16_t> parts;
+  if (part.cages.empty()) return parts;
+  for (const Influences& node : part.cages[0].influences)
+    for (int i = 0; i < 4 && node.weights[i] > 0; ++i) parts.insert(node.parts[i]);
+  return parts;
+}
+
 std::uint64_t PartSummary::stored() const {
   return std::accumulate(levels.begin(), levels.end(), std::uint64_t{0},
                          [](std::uint64_t sum, const LevelSummary& l) { return sum + l.stored; });

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,8 @@ struct CageSummary {
   std::uint64_t memory = 0;  // bytes
 };
 CageSummary summarize(const Cage& cage);
+// The parts that nodes of a part's cages follow.
+std::set<std::uint16_t> followedParts(const Part& part);
 
 struct PartSummary {
   const Part* part = nullptr;  // of the PackFile's pack

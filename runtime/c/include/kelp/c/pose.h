@@ -51,6 +51,15 @@ KELP_API kelp_result kelp_pose_get_nodes(kelp_pose pose, int32_t part, float* no
 // tells the pose that nodes change. The pointer stays valid as long as the pose; null without a cage.
 KELP_API kelp_result kelp_pose_write_nodes(kelp_pose pose, int32_t part, float** nodes, uint32_t* count);
 
+// Moves the joints of the asset's skin as your own animation says: `count` matrices of 16 floats, one for
+// each joint of kelp_asset_get_joint, meters at rest -> meters now. If M is where your skeleton has a joint,
+// joint space -> meters, that is M * inverse_bind. It may scale, shear, mirror and flatten. Until
+// kelp_pose_reset clips and motions no longer move the joints' parts. KELP_ERROR_MISUSE, with nothing
+// changed: the pose does not fit, `count` is not the number of joints, or a matrix is not affine or has a
+// number that is not finite; the error's offset is the joint.
+KELP_API kelp_result kelp_pose_set_joints(kelp_pose pose, kelp_asset asset, const float* matrices,
+                                          uint32_t count);
+
 KELP_API kelp_result kelp_pose_reset(kelp_pose pose);  // back to rest
 // Copies another pose. KELP_ERROR_MISUSE: their parts, knots or nodes differ in number.
 KELP_API kelp_result kelp_pose_assign(kelp_pose pose, kelp_pose other);

@@ -23,7 +23,7 @@
 
 namespace kelp::bake {
 
-// The side of the cells of cages, in voxels, if nobody asks for another.
+// The side of the cells of cages, in voxels, if nobody asks for another. Those of skins follow from the fit.
 inline constexpr int kDefaultCell = 8;
 
 // The options of a bake.
