@@ -416,6 +416,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "spring_destroy": (_Handle,),
     "spring_get_parts": (_Handle, _p(c_int32)),
     "spring_get_swings": (_Handle, c_int32, c_void_p, c_uint32, _p(c_uint32)),
+    "spring_get_node_swings": (_Handle, c_int32, c_void_p, c_uint32, _p(c_uint32)),
     "spring_reset": (_Handle,),
     "spring_push": (_Handle, c_int32, _Floats),
     "spring_push_in_world": (_Handle, _p(_Instance), c_int32, _Floats),
@@ -1234,8 +1235,9 @@ def _used(instances: Instances, change: Optional[_Object] = None,
 
 
 class Spring(_Object):
-    """Springs on the knots of an asset. Each frame: make the pose without the spring, step(), push, add_to().
-    frequency: Hz; damping: ratio; reach: heights of a part; rooted: the first knot is fixed."""
+    """Springs on the knots of an asset, and on the nodes of parts with cages. Each frame: make the pose
+    without the spring, step(), push, add_to(). frequency: Hz; damping: ratio; reach: heights of a part;
+    rooted: the first knot and the lowest nodes are fixed."""
 
     _kind = "spring"
 
@@ -1270,6 +1272,10 @@ class Spring(_Object):
         """The movement of a part's knots relative to their pose, a copy: (n,) SWING."""
         return _counted(lambda *to: self._read("get_swings", part, *to), SWING)
 
+    def node_swings(self, part: int) -> Array:
+        """The same of the nodes of the part's finest cage: (0,) without a cage."""
+        return _counted(lambda *to: self._read("get_node_swings", part, *to), SWING)
+
     def reset(self) -> None:
         """To rest, without wind."""
         self._change("reset")
@@ -1290,7 +1296,8 @@ class Spring(_Object):
         self._change_at(instance, "set_wind_in_world", part, _vector(acceleration, "acceleration"))
 
     def push_away(self, instance: Instance, center: npt.ArrayLike, radius: float) -> None:
-        """Pushes every part out of a sphere in the world. The instance's pose: without the spring."""
+        """Pushes every part out of a sphere in the world, of parts with cages the nodes near it. The
+        instance's pose: without the spring."""
         self._change_at(instance, "push_away", _vector(center, "center"), radius)
 
     def step(self, seconds: float) -> None:

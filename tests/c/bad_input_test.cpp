@@ -131,6 +131,8 @@ const Call kPoseCalls[] = {
 const Call kSpringCalls[] = {
     {"parts", [](const Handles& h) { return kelp_spring_get_parts(h.spring, &number); }},
     {"swings", [](const Handles& h) { return kelp_spring_get_swings(h.spring, 0, swings, 4, &count); }},
+    {"node_swings",
+     [](const Handles& h) { return kelp_spring_get_node_swings(h.spring, 0, swings, 4, &count); }},
     {"reset", [](const Handles& h) { return kelp_spring_reset(h.spring); }},
     {"push", [](const Handles& h) { return kelp_spring_push(h.spring, 0, kNumbers); }},
     {"push_in_world",

@@ -202,6 +202,21 @@ class Poses(Column):
             gc.collect()
             self.near(array, rest, 0)
 
+    def test_springs_push_nodes(self):
+        with kelp.Asset(CAGED) as asset:
+            comb, pose = asset.find_part("comb"), kelp.Pose(asset)
+            spring, rest = kelp.Spring(asset), pose.nodes(comb)
+            self.assertEqual(len(rest), len(spring.node_swings(comb)))
+            instance = kelp.Instance(asset, pose)
+            low, high = instance.bounds()
+            spring.push_away(instance, (low + high) / 2, 0.4)
+            swings = spring.node_swings(comb)["offset"]
+            self.assertGreater(np.abs(swings).max(), 0.01)
+            spring.add_to(pose)
+            moved = np.abs(swings).max(axis=1) > 0
+            self.assertTrue(np.array_equal(moved, (pose.nodes(comb) != rest).any(axis=1)))
+        self.assertEqual(0, len(kelp.Spring(self.asset).node_swings(0)))
+
     def test_blend(self):
         self.bend()
         other = kelp.Pose(self.asset)
