@@ -373,6 +373,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "asset_get_track": (_Handle, c_int32, c_int32, _p(_Track)),
     "asset_get_socket": (_Handle, c_int32, _p(_Socket)),
     "asset_find_socket": (_Handle, c_char_p, c_int32, _p(c_int32)),
+    "asset_get_cage_cells": (_Handle, c_int32, _p(c_uint32), c_uint32, _p(c_uint32)),
     "asset_get_joint": (_Handle, c_int32, _p(_Joint)),
     "asset_find_joint": (_Handle, c_char_p, _p(c_int32)),
     "asset_resident_level": (_Handle, c_int32, c_int32, _p(c_int32)),
@@ -941,6 +942,16 @@ class Asset(_Object):
         socket = c_int32()
         _call("asset_find_socket", self._handle, _of(name, str), part, byref(socket))
         return socket.value
+
+    def cage_cells(self, part: int) -> Array:
+        """The cells of the part's finest cage: (n, 8) numbers of nodes (Pose.nodes()), corner i at
+        x + (i & 1), y + (i >> 1 & 1), z + (i >> 2). (0, 8) without a cage."""
+        count = c_uint32()
+        _call("asset_get_cage_cells", self._handle, part, None, 0, byref(count))
+        cells = np.zeros((count.value, 8), np.uint32)
+        _call("asset_get_cage_cells", self._handle, part, cells.ctypes.data_as(_p(c_uint32)), count.value,
+              byref(count))
+        return cells
 
     def find_joint(self, name: str) -> int:
         """The first joint of that name. Error: there is none; the text lists the names."""

@@ -56,6 +56,8 @@ const Call kAssetCalls[] = {
     {"info", [](const Handles& h) { return kelp_asset_get_info(h.asset, out<kelp_asset_info>()); }},
     {"part", [](const Handles& h) { return kelp_asset_get_part(h.asset, 0, out<kelp_part>()); }},
     {"clip", [](const Handles& h) { return kelp_asset_get_clip(h.asset, 0, out<kelp_clip>()); }},
+    {"cage_cells",
+     [](const Handles& h) { return kelp_asset_get_cage_cells(h.asset, 0, nullptr, 0, &count); }},
     {"find_clip", [](const Handles& h) { return kelp_asset_find_clip(h.asset, "sway", &number); }},
     {"find_part", [](const Handles& h) { return kelp_asset_find_part(h.asset, "stem", &number); }},
     {"wave", [](const Handles& h) { return kelp_asset_get_wave(h.asset, 0, 0, out<kelp_wave>()); }},

@@ -171,6 +171,7 @@ class Poses(Column):
 
     def test_nodes(self):
         self.assertEqual((0, 3), self.pose.nodes(0).shape)
+        self.assertEqual((0, 8), self.asset.cage_cells(0).shape)
         self.assertEqual((0, 3), self.pose.write_nodes(0).shape)
         with kelp.Asset(CAGED) as asset:
             comb, pose = asset.find_part("comb"), kelp.Pose(asset)
@@ -178,6 +179,9 @@ class Poses(Column):
             self.assertEqual((np.float32, 2, 3), (rest.dtype, rest.ndim, rest.shape[1]))
             nodes = pose.write_nodes(comb)
             self.near(nodes, rest, 0)
+            cells = asset.cage_cells(comb)
+            self.assertEqual(set(range(len(rest))), set(cells.ravel()))
+            self.assertGreater((rest[cells[:, 7]] - rest[cells[:, 0]]).min(), 1.9)
             nodes[:, 0] += 5
             self.near(pose.nodes(comb), rest + (5, 0, 0), 0)
             pose.check()

@@ -204,6 +204,36 @@ TEST(CSpring, SwingsAsInCpp) {
   }
 }
 
+// At rest a cell is a cube.
+TEST(CPose, CellsAreCubesOfNodes) {
+  const BothAssets assets(packFile("cage"));
+  const BothPoses poses(assets);
+  for (int part = 0; part < 3; ++part) {
+    SCOPED_TRACE(part);
+    std::uint32_t count = 0, nodes = 0;
+    ASSERT_KELP(kelp_asset_get_cage_cells(assets.c, part, nullptr, 0, &count));
+    ASSERT_KELP(kelp_pose_get_nodes(poses.c, part, nullptr, 0, &nodes));
+    ASSERT_EQ(count == 0, nodes == 0);
+    if (count == 0) continue;
+    std::vector<glm::vec3> rest(nodes);
+    ASSERT_KELP(kelp_pose_get_nodes(poses.c, part, &rest[0].x, nodes, &nodes));
+    std::vector<std::uint32_t> cells(std::size_t{8} * count + 1, 77);
+    ASSERT_KELP(kelp_asset_get_cage_cells(assets.c, part, cells.data(), count, &count));
+    EXPECT_EQ(cells.back(), 77u);
+    const float side = rest[cells[1]].x - rest[cells[0]].x;
+    EXPECT_GE(side, 2);
+    for (std::size_t i = 0; i < std::size_t{8} * count; ++i) {
+      const glm::vec3 corner(i & 1, i >> 1 & 1, i >> 2 & 1);
+      EXPECT_LT(glm::distance(rest[cells[i]], rest[cells[i & ~std::size_t{7}]] + side * corner), 1e-3f) << i;
+    }
+    EXPECT_KELP(KELP_ERROR_NULL, kelp_asset_get_cage_cells(assets.c, part, nullptr, 1, &count));
+    EXPECT_KELP(KELP_ERROR_NULL, kelp_asset_get_cage_cells(assets.c, part, nullptr, 0, nullptr));
+  }
+  std::uint32_t count = 0;
+  for (const std::int32_t part : {-1, 9})
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_get_cage_cells(assets.c, part, nullptr, 0, &count));
+}
+
 TEST(CSpring, PushesNodesAsInCpp) {
   constexpr int kComb = 2;
   const BothAssets assets(packFile("cage"));
