@@ -123,8 +123,8 @@ TEST(CageSpring, WhatIsPushedLeavesTheBall) {
       for (const float size : {4.0f, 8.0f, 14.0f}) {
         SCOPED_TRACE(testing::Message() << "cells of " << cell << ", pose " << kind << ", ball " << size);
         Spring spring = *Spring::create(*posed.asset, {1.0f, 0.2f, 1.0f, true});
-        ASSERT_TRUE(spring.setWind(0, {0, 0, kind == 1 ? 8.0f : 0.0f}));
-        ASSERT_TRUE(spring.step(0.1f));
+        ASSERT_TRUE(spring.setWind(0, {0, 0, kind > 0 ? 8.0f : 0.0f}));
+        ASSERT_TRUE(spring.step(0.5f));
         int most_changed = 0;
         for (float in = 0; in <= 3 * size; in += 0.25f * size) {
           const Sphere ball{posed.at({40 + size - in, 38, 21}), size * posed.voxel};
@@ -132,11 +132,8 @@ TEST(CageSpring, WhatIsPushedLeavesTheBall) {
           ASSERT_TRUE(spring.pushAway(posed.instance, ball.center, ball.radius));
           most_changed = std::max(most_changed, changed(before, sprung(posed.asset, spring, posed.pose)));
           int inverted = 0;
-          // Sections of a swept part turn in the wind; where its nodes are is only nearly known then.
-          EXPECT_GT(radiiToSolid(posed.asset, posed.instance, spring, ball, inverted),
-                    kind == 1 ? 0.95 : 0.99)
-              << in;
-          if (kind < 3) {
+          EXPECT_GT(radiiToSolid(posed.asset, posed.instance, spring, ball, inverted), 0.99) << in;
+          if (kind < 3 && in < 40) {  // no deeper than the cushion is
             EXPECT_EQ(inverted, 0) << in;
           }
         }

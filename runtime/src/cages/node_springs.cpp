@@ -113,6 +113,25 @@ glm::vec3 nearestWayOut(const Cage& cage, std::span<const glm::vec3> places, boo
   return glm::vec3(best.at);
 }
 
+// Where the sections of a lattice are by a part's spline: axes and places, as of sectionAt().
+class Sections {
+ public:
+  explicit Sections(const PosedPart& posed)
+      : posed_(posed), sound_(posed.check() && (!posed.isSwept() || posed.arcs(chain_))) {}
+  bool areSound() const { return sound_; }
+  glm::mat4x3 at(float y) const {
+    if (posed_.isSwept()) return sectionAt(chain_, y);
+    glm::mat4x3 level(1);
+    level[3] = shear(posed_.knots, posed_.part->size, {0, y, 0});
+    return level;
+  }
+
+ private:
+  const PosedPart& posed_;
+  ArcChain chain_;
+  bool sound_;
+};
+
 // The weight of a push at a node whose squared distance from the contact is so many squared ranges.
 float weightAt(float range2) {
   const float left = std::max(1 - range2, 0.0f);
@@ -127,21 +146,38 @@ std::span<const Swing> Spring::nodes(int part) const {
   return node_swings_.span().subspan(body.first_node, body.nodes);
 }
 
-// How far the knots' offsets move each section of the lattice, in heights. False: no knot is moved.
-bool Spring::leanOf(const Body& body, const Cage& cage, std::span<glm::vec3> sections) const {
-  std::fill(sections.begin(), sections.end(), glm::vec3(0));
+// How the knots' offsets move the sections of a lattice: in each, a node that is (x, z) from the middle moves
+// by the move times (x, 0, z, 1), voxels. followed: the part as it is bent without the spring; null: nodes
+// are the host's. False: no knot is moved.
+bool Spring::movesOf(const Body& body, int side, const PosedPart* followed,
+                     std::span<glm::mat4x3> moves) const {
+  std::fill(moves.begin(), moves.end(), glm::mat4x3(0));
   const std::span<const Swing> swings = swings_.span().subspan(body.first, body.knots);
   const bool still = std::all_of(swings.begin(), swings.end(),
                                  [](const Swing& swing) { return swing.offset == glm::vec3(0); });
   if (still || body.knots < 2) return false;
-  Knot knots[kMaxKnots];
+  Knot room[kMaxKnots];
+  const std::span<Knot> knots(room, body.knots);
+  const auto heightOf = [&](std::size_t i) {
+    return std::min(static_cast<float>(side) * static_cast<float>(i), body.height);
+  };
+  if (followed) {
+    std::copy(followed->knots.begin(), followed->knots.end(), knots.begin());
+    addTo(body, knots);
+    PosedPart moved = *followed;
+    moved.knots = knots;
+    const Sections before(*followed), after(moved);
+    for (std::size_t i = 0; i < moves.size() && before.areSound() && after.areSound(); ++i)
+      moves[i] = after.at(heightOf(i)) - before.at(heightOf(i));
+    return true;
+  }
   for (std::uint32_t i = 0; i < body.knots; ++i) knots[i] = {at_[body.first + i]};
-  addTo(body, std::span(knots, body.knots));
+  addTo(body, knots);
   std::size_t k = 0;
-  for (std::size_t i = 0; i < sections.size(); ++i) {
-    const float at = std::min(static_cast<float>(cage.side) * static_cast<float>(i) / body.height, 1.0f);
-    while (k + 2 < body.knots && at > knots[k + 1].at) ++k;
-    sections[i] = evaluate(makeSegment(knots[k], knots[k + 1], 1),
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    const float at = heightOf(i) / body.height;
+    while (k + 2 < knots.size() && at > knots[k + 1].at) ++k;
+    moves[i][3] = evaluate(makeSegment(knots[k], knots[k + 1], body.height),
                            (at - knots[k].at) / (knots[k + 1].at - knots[k].at));
   }
   return true;
@@ -162,28 +198,28 @@ Result<void> Spring::pushNodesAway(Body& body, const Instance& instance, int par
       std::sqrt(lengthSquared(ball.turn[0]) + lengthSquared(ball.turn[1]) + lengthSquared(ball.turn[2]));
   ball.most = 4 * scale * options_.reach * body.height;
 
-  glm::vec3 room[kMostCageCells + 1];
-  const std::span<glm::vec3> lean(room, static_cast<std::size_t>(cage.grid.y) + 1);
-  const bool leans = leanOf(body, cage, lean);
+  glm::mat4x3 room[kMostCageCells + 1];
+  const std::span<glm::mat4x3> moves(room, static_cast<std::size_t>(cage.grid.y) + 1);
+  const bool is_hosts = instance.pose && PoseCages::of(*instance.pose, part)->written;
+  const PosedPart followed = posedPart(instance, part);
+  const bool knots_move = movesOf(body, cage.side, is_hosts ? nullptr : &followed, moves);
   const std::span<Swing> swings = node_swings_.span().subspan(body.first_node, body.nodes);
   float far2 = 0;  // how far from the pose, in heights
   for (std::uint32_t i = body.moved; i < body.moved_end; ++i)
     far2 = std::max(far2, lengthSquared(swings[i].offset));
-  float far = std::sqrt(far2);
-  if (leans) {
-    far2 = 0;
-    for (const glm::vec3& section : lean) far2 = std::max(far2, lengthSquared(section));
-    far += std::sqrt(far2);
-  }
   const Box& box = posed->bounds;
   const glm::vec3 middle(to_ball * glm::vec4(0.5f * (box.min + box.max), 1));
-  const float extent = 0.5f * glm::distance(box.min, box.max) + far * body.height;
-  if (!(glm::length(middle) <= radius + scale * extent)) return {};
+  const float extent = 0.5f * glm::distance(box.min, box.max) + std::sqrt(far2) * body.height;
+  if (!knots_move && !(glm::length(middle) <= radius + scale * extent)) return {};
 
   const std::span<glm::vec3> places = node_places_.span().first(body.nodes);
   for (std::uint32_t i = 0; i < body.nodes; ++i) {
-    const glm::vec3 off = lean[cage.places[i] >> 10 & 1023] + swings[i].offset;
-    places[i] = glm::vec3(to_ball * glm::vec4(posed->nodes[i] + body.height * off, 1));
+    glm::vec3 off = body.height * swings[i].offset;
+    if (knots_move) {
+      const glm::vec3 from_middle = glm::vec3(cage.rest(i)) - body.middle;
+      off += moves[cage.places[i] >> 10 & 1023] * glm::vec4(from_middle.x, 0, from_middle.z, 1);
+    }
+    places[i] = glm::vec3(to_ball * glm::vec4(posed->nodes[i] + off, 1));
   }
   const bool mirrored = glm::determinant(ball.turn) < 0;
   constexpr int kRounds = 8;
@@ -250,14 +286,12 @@ bool Spring::addToNodes(const Body& body, int part, Pose& pose) const {
   const NodesInPose* const in = PoseCages::of(pose, part);
   if (!in) return false;
   const std::uint32_t* const places = in->places;
-  glm::vec3 room[kMostCageCells + 1];
-  Cage lattice;
-  lattice.side = in->side;
-  const bool leans = in->written && leanOf(body, lattice, room);
-  if (!leans && body.moved == body.moved_end) return false;
+  glm::mat4x3 moves[kMostCageCells + 1];
+  const bool knots_move = in->written && movesOf(body, in->side, nullptr, moves);
+  if (!knots_move && body.moved == body.moved_end) return false;
   const std::span<glm::vec3> nodes = pose.nodes(part);
-  if (leans)
-    for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] += body.height * room[places[i] >> 10 & 1023];
+  if (knots_move)
+    for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] += moves[places[i] >> 10 & 1023][3];
   const std::span<const Swing> swings = node_swings_.span().subspan(body.first_node, body.nodes);
   for (std::uint32_t i = body.moved; i < body.moved_end; ++i)
     if (swings[i].offset != glm::vec3(0)) nodes[i] += body.height * swings[i].offset;

@@ -12,6 +12,8 @@
 
 namespace kelp::runtime {
 
+struct PosedPart;
+
 struct SpringOptions {
   float frequency = 1.0f;  // of the undamped swing, in Hz; > 0
   // Damping ratio, >= 0. 0: swings for ever. 1: returns fastest without overshoot. More: returns slowly.
@@ -114,7 +116,7 @@ class Spring {
                 const glm::vec3& center, float radius);
   // src/cages/node_springs.cpp
   struct Ball;
-  bool leanOf(const Body& body, const Cage& cage, std::span<glm::vec3> sections) const;
+  bool movesOf(const Body& body, int side, const PosedPart* followed, std::span<glm::mat4x3> moves) const;
   Result<void> pushNodesAway(Body& body, const Instance& instance, int part, const glm::vec3& center,
                              float radius);
   void pushNodes(Body& body, const Cage& cage, const Ball& ball, const glm::vec3& at, const glm::vec3& out,
