@@ -94,16 +94,22 @@ TEST_P(CagedLight, RaysLeaveTheCageAndEnterItAgain) {
   }
 }
 
-// At points of planes through and beside it.
+// At points of planes through and beside it. A block has a middle without cells.
 TEST_P(CagedLight, KelpDistanceIsThatToTheVoxels) {
-  for (const int cell : {4, 8}) {
-    const glm::ivec3 size(48, 64, 40);
-    const CagedDistances model(ballClump(size, 8, 4), cell);
+  const glm::ivec3 size(48, 64, 40);
+  const fields::Occupancy clump = ballClump(size, 8, 4),
+                          block = voxelsWhere(size, [](const glm::ivec3&) { return true; });
+  const struct {
+    const fields::Occupancy& volume;
+    int cell;
+  } kModels[] = {{clump, 4}, {clump, 8}, {block, 4}};
+  std::vector<reference::CagePose> poses = reference::namedCagePoses(size);
+  for (const auto& [volume, cell] : kModels) {
+    const CagedDistances model(volume, cell);
     const auto renderer = makeRenderer(*model, nullptr, with(gl::Features::kDistances));
     const GLuint program = distanceProgram(GetParam(), *renderer);
     ASSERT_NE(program, 0u);
     const Canvas canvas({64, 64});
-    std::vector<reference::CagePose> poses = reference::namedCagePoses(size);
     for (const reference::CagePose& in :
          {poses[0], poses[2], poses[4], poses[5], reference::shakenPose(0.5)}) {
       SCOPED_TRACE(testing::Message() << in.name << ", cells of " << cell);
@@ -111,7 +117,7 @@ TEST_P(CagedLight, KelpDistanceIsThatToTheVoxels) {
       const auto truth = model.put(in, *model, pose);
       Instance instance{&*model, &pose};
       instance.to_world = glm::rotate(glm::mat4(1), 0.6f, glm::vec3(0.2f, 1, 0.1f));
-      DistanceErrors errors = measureDistances(*renderer, program, canvas, instance, *truth);
+      const DistanceErrors errors = measureDistances(*renderer, program, canvas, instance, *truth);
       EXPECT_GT(errors.inside, 3);
       EXPECT_GT(errors.near, 30);
       EXPECT_LT(errors.most_inside, 0.9);
