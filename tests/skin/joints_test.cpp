@@ -124,8 +124,11 @@ TEST(SkinJoints, OfTheFox) {
     EXPECT_TRUE(names.insert(keyed.joints[j].name).second);
     EXPECT_LT(keyed.joints[j].parent, static_cast<int>(j));
     ASSERT_EQ(keyed.joints[j].rig.clips.size(), 3u);
-    for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t c = 0; c < 3; ++c) {
       EXPECT_EQ(keyed.joints[j].rig.clips[c].name, keyed.skin().clips[c].name);
+      for (const RigDescription::Track& track : keyed.joints[j].rig.clips[c].tracks)
+        EXPECT_NE(track.target, Target::kPartScale) << "nothing scales here";
+    }
   }
 }
 

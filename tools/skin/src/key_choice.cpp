@@ -129,7 +129,7 @@ class TrackChoice {
 
  private:
   // The shares of the tolerance.
-  static constexpr double kOfTurns = 0.7, kOfScales = 0.2, kOfShifts = 0.2, kOfRounding = 0.4;
+  static constexpr double kOfTurns = 0.95, kOfScales = 0.2, kOfShifts = 0.2, kOfRounding = 0.8;
 
   // How far the points are off at a time if each is off by off(i) in pivot space.
   template <class Off>

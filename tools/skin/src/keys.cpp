@@ -28,16 +28,33 @@ constexpr std::array<glm::dvec3, 14> kDirections{{{1, 0, 0},
                                                   {-1, -1, 1},
                                                   {-1, -1, -1}}};
 constexpr double kLoose = 8;          // joints that move no node
+constexpr double kNothing = 1e-12;    // a volume, of one
 constexpr double kStill = 1e-9;       // of the size: what moves less does not move
-constexpr double kLeastWeight = 0.1;  // of nodes by which keys are chosen
+constexpr double kLeastWeight = 0.1;  // of nodes by which keys are chosen, where there are such
 
 // A place that a joint moves.
 struct Watched {
   std::uint32_t joint = 0;
   glm::dvec3 at{0};
+  std::size_t node = 0;
 };
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+// Those that are farthest out in the directions, each once.
+std::vector<Watched> farthestOf(const std::vector<Watched>& all) {
+  std::vector<Watched> out;
+  if (all.empty()) return out;
+  for (const glm::dvec3& direction : kDirections) {
+    const Watched& its = *std::max_element(all.begin(), all.end(), [&](const Watched& a, const Watched& b) {
+      return glm::dot(direction, a.at) < glm::dot(direction, b.at);
+    });
+    if (std::none_of(out.begin(), out.end(),
+                     [&](const Watched& other) { return its.at == other.at && its.joint == other.joint; }))
+      out.push_back(its);
+  }
+  return out;
+}
 
 class ClipKeys {
  public:
@@ -64,7 +81,8 @@ class ClipKeys {
     double share = 1.5, least = INFINITY;
     for (int round = 0; round < (least <= tolerance ? kRounds : kMostRounds); ++round) {
       std::vector<std::vector<RigDescription::Track>> tracks = tracksFor(share * tolerance);
-      const double worst = farthest(tracks);
+      double worst = farthest(tracks, outer_);
+      if (worst <= tolerance) worst = farthest(tracks, nodes_);
       // Of those that keep it, the last: shares only grow then.
       if (worst <= tolerance || worst < least) {
         best = std::move(tracks);
@@ -115,11 +133,25 @@ class ClipKeys {
   // The nodes by which each joint's keys are chosen: of those that it or joints below it move.
   void watch() {
     watched_.resize(count_);
+    std::vector<double> heaviest(count_, 0);
     for (const SkinNode& node : nodes_)
       for (std::size_t k = 0; k < 4; ++k)
-        if (node.weights[k] >= kLeastWeight) watched_[node.joints[k]].push_back({node.joints[k], node.at});
+        heaviest[node.joints[k]] = std::max(heaviest[node.joints[k]], node.weights[k]);
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::uint32_t joint = nodes_[i].joints[k];
+        if (nodes_[i].weights[k] > 0 && nodes_[i].weights[k] >= std::min(kLeastWeight, 0.5 * heaviest[joint]))
+          watched_[joint].push_back({joint, nodes_[i].at, i});
+      }
     for (const SourceSkin::Socket& socket : skin_.sockets)
-      watched_[socket.joint].push_back({socket.joint, glm::dvec3(socket.place[3])});
+      watched_[socket.joint].push_back({socket.joint, glm::dvec3(socket.place[3]), nodes_.size()});
+    std::vector<bool> outer(nodes_.size() + 1, false);
+    for (std::vector<Watched>& its : watched_) {
+      its = farthestOf(its);
+      for (const Watched& watched : its) outer[watched.node] = true;
+    }
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      if (outer[i]) outer_.push_back(nodes_[i]);
     loose_.resize(count_);
     for (std::size_t j = count_; j-- > 0;) {
       loose_[j] = watched_[j].empty();
@@ -127,21 +159,10 @@ class ClipKeys {
         constexpr double kReach = 1.0 / 32;
         const glm::dvec3 middle = pivots_[j][3];
         for (std::size_t d = 0; d < 6; ++d)
-          watched_[j].push_back({static_cast<std::uint32_t>(j), middle + kReach * size_ * kDirections[d]});
+          watched_[j].push_back({static_cast<std::uint32_t>(j), middle + kReach * size_ * kDirections[d], 0});
         continue;
       }
-      std::vector<Watched> chosen;
-      for (const glm::dvec3& direction : kDirections)
-        chosen.push_back(*std::max_element(watched_[j].begin(), watched_[j].end(),
-                                           [&](const Watched& a, const Watched& b) {
-                                             return glm::dot(direction, a.at) < glm::dot(direction, b.at);
-                                           }));
-      std::vector<Watched> once;
-      for (const Watched& a : chosen)
-        if (std::none_of(once.begin(), once.end(),
-                         [&](const Watched& b) { return a.at == b.at && a.joint == b.joint; }))
-          once.push_back(a);
-      watched_[j] = std::move(once);
+      watched_[j] = farthestOf(watched_[j]);
       if (const int parent = skin_.joints[j].parent; parent >= 0)
         watched_[at(parent)].insert(watched_[at(parent)].end(), watched_[j].begin(), watched_[j].end());
     }
@@ -175,17 +196,22 @@ class ClipKeys {
   KeyedMotion motionOf(std::size_t j) const {
     KeyedMotion motion;
     motion.points = watched_[j].size();
+    motion.places.reserve(clip_.times.size() * motion.points);
     const int parent = skin_.joints[j].parent;
+    glm::dmat4x3 back(1);
     for (std::size_t t = 0; t < clip_.times.size(); ++t) {
+      const glm::dmat4x3* const motions = &motions_[t * count_];
       motion.poses.push_back(poses_[t * count_ + j]);
-      const glm::dmat4x3 from_pivot =
-          parent < 0 ? pivots_[j] : motions_[t * count_ + at(parent)] * glm::dmat4(pivots_[j]);
-      motion.spread.push_back(linearOf(from_pivot));
-      for (const Watched& watched : watched_[j]) {
-        glm::dvec3 place = watched.at;
-        for (std::size_t joint = watched.joint; joint != j; joint = at(skin_.joints[joint].parent))
-          place = local(t, joint) * glm::dvec4(place, 1);
-        motion.places.push_back(to_pivots_[j] * glm::dvec4(place, 1));
+      motion.spread.push_back(linearOf(parent < 0 ? pivots_[j] : motions[parent] * glm::dmat4(pivots_[j])));
+      // What lies below it, back before it moved. A joint that shrinks all to nothing has it as it was
+      // before.
+      const bool regular = std::abs(glm::determinant(linearOf(motions[j]))) > kNothing;
+      if (regular) back = to_pivots_[j] * glm::dmat4(glm::dmat4x3(glm::inverse(glm::dmat4(motions[j]))));
+      for (std::size_t i = 0; i < motion.points; ++i) {
+        const Watched& its = watched_[j][i];
+        motion.places.push_back(regular  ? back * glm::dvec4(motions[its.joint] * glm::dvec4(its.at, 1), 1)
+                                : t == 0 ? to_pivots_[j] * glm::dvec4(its.at, 1)
+                                         : motion.places[(t - 1) * motion.points + i]);
       }
     }
     return motion;
@@ -200,8 +226,9 @@ class ClipKeys {
     return tracks;
   }
 
-  // How far the tracks put any node from where the joints do, at any time.
-  double farthest(const std::vector<std::vector<RigDescription::Track>>& tracks) const {
+  // How far the tracks put any of the nodes, or a socket, from where the joints do, at any time.
+  double farthest(const std::vector<std::vector<RigDescription::Track>>& tracks,
+                  std::span<const SkinNode> nodes) const {
     std::vector<double> worst(clip_.times.size(), 0);
     parallelRanges(worst.size(), 16, threads_, [&](std::size_t begin, std::size_t end) {
       std::vector<glm::dmat4x3> keyed(count_), off(count_);
@@ -213,7 +240,7 @@ class ClipKeys {
           off[j] = keyed[j] - motions_[t * count_ + j];
         }
         double most = 0;
-        for (const SkinNode& node : nodes_) {
+        for (const SkinNode& node : nodes) {
           glm::dvec3 moved(0);
           for (std::size_t k = 0; k < 4; ++k)
             if (node.weights[k] > 0)
@@ -242,6 +269,7 @@ class ClipKeys {
   std::vector<glm::dmat4x3> locals_;   // of these
   std::vector<glm::dmat4x3> motions_;  // of these
   std::vector<std::vector<Watched>> watched_;
+  std::vector<SkinNode> outer_;  // the nodes that are farthest out, of each joint
   std::vector<bool> loose_;
   std::vector<double> shares_;  // of the tolerance
 };

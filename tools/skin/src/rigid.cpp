@@ -81,38 +81,63 @@ glm::dquat quaternionOf(const glm::dmat3& rotation) {
   return {q.w / length, q.x / length, q.y / length, q.z / length};
 }
 
-Trs nearestTrs(const glm::dmat4x3& m, const glm::dquat& before) {
-  const glm::dmat3 k = linearOf(m), last = rotationOf(before);
+namespace {
+
+// Which axes are mirrored, 1 or -1: those with which they are nearest to `last`; absent: none, or x.
+glm::dvec3 mirroredAxes(const glm::dmat3& k, const glm::dvec3& lengths, const glm::dmat3* last) {
+  const bool mirrored = glm::determinant(k) < 0;
+  glm::dvec3 signs(mirrored ? -1 : 1, 1, 1);
+  if (!last) return signs;
+  int least = 0;
+  glm::dvec3 like(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (lengths[axis] > 0) like[axis] = glm::dot(k[axis], (*last)[axis]) / lengths[axis];
+    signs[axis] = like[axis] < 0 ? -1 : 1;
+    if (std::abs(like[axis]) < std::abs(like[least])) least = axis;
+  }
+  if ((signs.x * signs.y * signs.z < 0) != mirrored) signs[least] = -signs[least];
+  return signs;
+}
+
+// Axes that are at right angles, but for what floats leave, as a rotation.
+bool makeRotation(const glm::dmat3& axes, glm::dmat3& rotation) {
+  constexpr double kSquare = 1e-4;
+  if (std::abs(glm::dot(axes[0], axes[1])) > kSquare || std::abs(glm::dot(axes[1], axes[2])) > kSquare ||
+      std::abs(glm::dot(axes[2], axes[0])) > kSquare)
+    return false;
+  rotation = axes;
+  for (int round = 0; round < 2; ++round)  // Newton's iteration for the nearest rotation
+    rotation = 0.5 * (rotation + glm::transpose(glm::inverse(rotation)));
+  return true;
+}
+
+}  // namespace
+
+Trs nearestTrs(const glm::dmat4x3& m, const std::optional<glm::dquat>& before) {
+  const glm::dquat near = before.value_or(glm::dquat(1, 0, 0, 0));
+  const glm::dmat3 k = linearOf(m), last = rotationOf(near);
   const glm::dvec3 lengths(glm::length(k[0]), glm::length(k[1]), glm::length(k[2]));
   const double longest = std::max({lengths.x, lengths.y, lengths.z});
-  Trs out{m[3], before, glm::dvec3(0)};
+  Trs out{m[3], near, glm::dvec3(0)};
   if (!(longest > 0)) return out;
-  // Which axes are mirrored: of the two or four ways, the one that turns least.
-  const bool mirrored = glm::determinant(k) < 0;
-  glm::dmat3 best(1);
-  double most = -4;
-  for (int way = 0; way < 8; ++way) {
-    const glm::dvec3 sign(way & 1 ? -1 : 1, way & 2 ? -1 : 1, way & 4 ? -1 : 1);
-    if ((sign.x * sign.y * sign.z < 0) != mirrored) continue;
-    // An axis without length counts little, and keeps its direction.
-    constexpr double kLittle = 1e-7;
-    glm::dmat3 h;
-    for (int axis = 0; axis < 3; ++axis)
-      h[axis] =
-          sign[axis] / longest * k[axis] + (lengths[axis] > kLittle * longest ? 0 : kLittle) * last[axis];
-    const glm::dmat3 turn = nearestRotation(h);
-    double like = 0;
-    for (int axis = 0; axis < 3; ++axis) like += glm::dot(turn[axis], last[axis]);
-    if (like <= most + 1e-9) continue;
-    most = like;
-    best = turn;
+  const glm::dvec3 signs = mirroredAxes(k, lengths, before ? &last : nullptr);
+  // An axis without length counts little, and keeps its direction.
+  constexpr double kLittle = 1e-7;
+  glm::dmat3 axes, h, best;
+  bool regular = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool flat = lengths[axis] <= kLittle * longest;
+    regular = regular && !flat;
+    h[axis] = signs[axis] / longest * k[axis] + (flat ? kLittle : 0) * last[axis];
+    if (!flat) axes[axis] = signs[axis] / lengths[axis] * k[axis];
   }
+  const bool square = regular && makeRotation(axes, best);
+  if (!square) best = nearestRotation(h);
   for (int axis = 0; axis < 3; ++axis) out.scale[axis] = glm::dot(best[axis], k[axis]);
   // With shear the rotation and the scale that fit best depend on each other.
-  for (int round = 0; round < 8; ++round) {
-    glm::dmat3 h;
-    for (int axis = 0; axis < 3; ++axis) h[axis] = out.scale[axis] / (longest * longest) * k[axis];
-    for (int axis = 0; axis < 3; ++axis) h[axis] += 1e-12 * best[axis];
+  for (int round = 0; round < 8 && !square; ++round) {
+    for (int axis = 0; axis < 3; ++axis)
+      h[axis] = out.scale[axis] / (longest * longest) * k[axis] + 1e-12 * best[axis];
     best = nearestRotation(h);
     double moved = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -122,8 +147,8 @@ Trs nearestTrs(const glm::dmat4x3& m, const glm::dquat& before) {
     }
     if (moved <= 1e-12 * longest) break;
   }
-  out.rotation = quaternionOf(best);
-  if (glm::dot(out.rotation, before) < 0) out.rotation = -out.rotation;
+  out.rotation = glm::normalize(glm::quat_cast(best));
+  if (glm::dot(out.rotation, near) < 0) out.rotation = -out.rotation;
   return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -34,9 +35,9 @@ struct Trs {
   }
 };
 
-// The nearest to `m` whose rotation continues `before`: of axes that are mirrored or without length, any
-// would do.
-Trs nearestTrs(const glm::dmat4x3& m, const glm::dquat& before = {1, 0, 0, 0});
+// The nearest to `m`. Which axes are mirrored: those with which the rotation is nearest to `before`, which
+// axes without length keep; absent: none, or x.
+Trs nearestTrs(const glm::dmat4x3& m, const std::optional<glm::dquat>& before = std::nullopt);
 
 // As the runtime interpolates keys, which need not be quite unit: spherical, the shorter way; then unit.
 glm::dquat slerpShort(const glm::dquat& a, glm::dquat b, double share);
