@@ -69,11 +69,9 @@ void layInfluences(const Part& from, std::size_t parts, Carver& carver, NodesInP
   nodes->influences = {influences, from.cages[0].nodes()};
   nodes->boxes = boxes;
   nodes->maps = maps;
-  for (const Cage& cage : from.cages)
-    for (std::uint32_t i = 0; i < cage.nodes(); ++i)
-      for (int k = 0; k < 4; ++k)
-        if (cage.influences[i].weights[k] > 0)
-          boxes[cage.influences[i].parts[k]].add(glm::vec3(cage.rest(i)));
+  for (std::uint32_t i = 0; i < from.cages[0].nodes(); ++i)
+    for (int k = 0; k < 4; ++k)
+      if (influences[i].weights[k] > 0) boxes[influences[i].parts[k]].add(glm::vec3(from.cages[0].rest(i)));
 }
 
 // For the motions of parts.

@@ -76,13 +76,13 @@ struct NodesInPose {
   bool written;                 // by the host
   Error failure;                // if placing the finest nodes failed
   std::uint32_t placements;     // how often they were placed where the spline takes them
-  // If nodes follow parts: a copy of the finest one's; for each part of the asset, the box at rest of all
+  // If nodes follow parts, of the finest cage: a copy; for each part of the asset, the box at rest of all
   // nodes that follow it, empty if none does, and where it takes them now, both in this part's space.
   std::span<const Influences> influences;
   std::span<const Box> boxes;
   std::span<glm::mat4> maps;
   bool bent;   // one of these parts bends
-  Box around;  // all nodes, unless one bends; empty if that is not finite
+  Box around;  // all nodes of the finest cage, unless one bends; empty if that is not finite
 
   bool followsParts() const { return !influences.empty() && !written; }
 };
@@ -127,7 +127,7 @@ struct PoseCages {
   // is too far away, and they are at rest. places: as Cage::places.
   static bool follow(const Pose& pose, int part, std::span<const Influences> influences,
                      const std::uint32_t* places, int side, glm::vec3* nodes);
-  // A box around all nodes of all cages; if parts bend, of the finest. Empty if it is not finite.
+  // A box around all nodes of the finest cage. Empty if it is not finite.
   static Box followedBounds(const Pose& pose, int part);
   static Box boundsOfMaps(const Pose& pose, int part);
   // True if the pose has memory for these cages.
