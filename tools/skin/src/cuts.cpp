@@ -66,12 +66,23 @@ SkinCuts::SkinCuts(const TriangleSoup& soup, const Frame& frame, const SkinSampl
   const glm::ivec3& size = solid.size();
   owners_.assign(denseCount(size), kNoSample);
   const int reach = std::max(1, static_cast<int>(std::ceil(samples.spacing / 1.5)));
+  // Two surfaces that touch are about as near. A voxel is behind its own, and in front of the other.
+  constexpr double kInFront = 1e3;
+  std::vector<float> costs(owners_.size());
   for (std::uint32_t s = 0; s < samples.size(); ++s) {
     const glm::dvec3& point = samples.positions[s];
+    const auto& [a, b, c] = triangles_[samples.triangles[s]];
+    const glm::dvec3 normal = glm::cross(corners_[b] - corners_[a], corners_[c] - corners_[a]);
     forEachSolid(solid, voxelAround(size, point), reach, [&](const glm::ivec3& at) {
-      std::uint32_t& owner = owners_[denseIndex(size, at)];
-      if (owner == kNoSample || squaredDistance(at, point) < squaredDistance(at, samples.positions[owner]))
-        owner = s;
+      const bool in_front = glm::dot(glm::dvec3(at) + 0.5 - point, normal) > 0;
+      const double off = distanceTo(samples.triangles[s], glm::dvec3(at) + 0.5);
+      // Of one triangle, the nearest sample.
+      const auto cost =
+          static_cast<float>(off + 1e-3 * squaredDistance(at, point) + (in_front ? kInFront : 0));
+      const std::size_t i = denseIndex(size, at);
+      if (owners_[i] != kNoSample && cost >= costs[i]) return;
+      owners_[i] = s;
+      costs[i] = cost;
     });
   }
   for (std::size_t i = 0; i < owners_.size(); ++i) {
@@ -139,7 +150,7 @@ std::optional<glm::ivec3> SkinCuts::voxelOf(const SkinSamples& of, std::size_t i
     std::optional<glm::ivec3> best;
     forEachSolid(solid_, middle, reach, [&](const glm::ivec3& at) {
       if (best && squaredDistance(at, point) >= squaredDistance(*best, point)) return;
-      const std::uint32_t owner = cuts_.empty() ? kNoSample : owners_[denseIndex(solid_.size(), at)];
+      const std::uint32_t owner = owners_[denseIndex(solid_.size(), at)];
       if (owner == kNoSample || !areApart(of, i, samples_, owner)) best = at;
     });
     // All beyond the reach is at least so far away.

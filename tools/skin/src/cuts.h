@@ -16,8 +16,9 @@ namespace kelp::bake {
 
 class SkinCuts {
  public:
-  // A voxel belongs to the nearest sample if one is beside it. Neighbors that belong to samples are cut apart
-  // if the weights of these differ much and the mesh does not join them nearby. Keeps references.
+  // A voxel belongs to the nearest sample whose triangle it is behind, if one is beside it. Neighbors that
+  // belong to samples are cut apart if the weights of these differ much and the mesh does not join them
+  // nearby. Keeps references.
   SkinCuts(const TriangleSoup& soup, const Frame& frame, const SkinSamples& samples,
            const fields::SolidBits& solid);
 
