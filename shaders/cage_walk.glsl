@@ -80,6 +80,9 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
   vec3 from = o;
   float s = 0.0f;
   int turns = 0;  // steps without a way
+  // A place where the walk was (Brent's cycle detection). Exactly computed, a walk comes to no place twice.
+  uint was_cell = KELP_CAGE_OUTSIDE;
+  int was_face = 0;
   int tries = 0;
   bool again = true;  // from the start face
   bool more = true;
@@ -96,6 +99,7 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
       from = kelpNudged(o, tries, xa, xb, entry == 0 ? x7 : x0, side);
       s = 0.0f;
       turns = 0;
+      was_cell = KELP_CAGE_OUTSIDE;
       ++tries;
     }
     again = false;
@@ -178,7 +182,14 @@ KELP_FN KelpHit kelpWalkCaged(KELP_CONTEXT_ uint face, vec3 o, vec3 r, float s_m
                : exit == 2 ? ivec3(axes.x, axes.z, axes.y)
                            : ivec3(axes.z, axes.x, axes.y);
         entry = exit == 0 || exit == 3 ? 3 - exit : exit;
-        going = hit.clips < KELP_MAX_TETRAHEDRA;
+        int at_face = entry | axes.x << 2 | axes.y << 4;
+        bool round = cell == was_cell && at_face == was_face;
+        again = round && !hit.found;
+        going = !round && hit.clips < KELP_MAX_TETRAHEDRA;
+        if ((hit.clips & (hit.clips - 1)) == 0) {
+          was_cell = cell;
+          was_face = at_face;
+        }
       }
     } while (going);
     more = m.unclear;

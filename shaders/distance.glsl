@@ -5,23 +5,27 @@
 // Estimates, not bounds (those are in runtime/include/kelp/runtime/distance.h). Within 3 voxels of a surface
 // they are less than a voxel off at rest, and less than 2.5 in a bent part. Farther away, coarser voxels
 // answer: 96 of 100 points get 0.5 to 1.1 of the truth at rest, 0.2 to 1.6 of it in a bent part, where the
-// distance at rest counts as many world units as space is wide there (tests/gl/distance_shading_test.cpp).
+// distance at rest counts as many world units as space is wide there (tests/gl/distance_shading_test.cpp). Of
+// a bent part with a cage they get 0.4 to 1.2 of it (tests/gl/caged_light_test.cpp), but each point has to be
+// looked for in the tree over the cells.
 
 const float kKelpFar = 1e9;
 
 // The levels of distances of the part of this record; kelpLoadDistances sets these.
-int kelp_distance_levels;  // 0: it has none, or a cage, where no distance is known
+int kelp_distance_levels;  // 0: it has none, or its cage is not there
 uint kelp_distances_at;    // their tables
 vec3 kelp_distance_size;   // of the part, level-0 voxels
 void kelpLoadDistances() {
   uvec4 volume = kelpRecordBits(kelp_record + 11);
-  kelp_distance_levels = KELP_CAGED ? 0 : min(int(volume.w >> 24u), KELP_MAX_LEVELS);
+  kelp_distance_levels = min(int(volume.w >> 24u), KELP_MAX_LEVELS);
+  if (KELP_CAGED && (kelp_cage_at == 0u || KELP_CAGE_LEAVES == 0)) kelp_distance_levels = 0;
   kelp_distances_at = kelpRecordBits(kelp_record + 10).w + 4u * ((volume.w >> 16u) & 255u);
   kelp_distance_size = uintBitsToFloat(volume.xyz);
 }
 
-// A point of part space at rest: held in the box, and how far beside it. axes: where steps along x, y and z
-// at rest lead in part space there.
+// A point of part space at rest: held in the box, or in the cells of the cage, and how far beside it. Below
+// 0: so deep in the middle of the solid, where no cell is. axes: where steps along x, y and z at rest lead in
+// part space there.
 struct KelpRest {
   vec3 at;
   float beside;
@@ -83,7 +87,129 @@ KelpRest kelpRestOfSwept(vec3 p) {
   }
   return rest;
 }
-KelpRest kelpRestOf(vec3 p) { return KELP_SWEPT ? kelpRestOfSwept(p) : kelpRestOfSheared(p); }
+// How a cell moves the points near a place in it, 0 to 1: by the tetrahedron there. Columns: where the cell's
+// edges lead.
+mat3 kelpCellEdges(vec3 x[8], vec3 f) {
+  int a = f.x >= f.y ? (f.x >= f.z ? 0 : 2) : (f.y >= f.z ? 1 : 2);
+  int c = f.z <= f.y ? (f.z <= f.x ? 2 : 0) : (f.y <= f.x ? 1 : 0);
+  int first = 1 << a;
+  int second = 7 - (1 << c);
+  mat3 edges;
+  edges[a] = x[first] - x[0];
+  edges[3 - a - c] = x[second] - x[first];
+  edges[c] = x[7] - x[second];
+  return edges;
+}
+// `before`, or a point of a cell that is nearer, of those that are nearest along its edges.
+KelpRest kelpRestOfCell(vec3 p, uint cell, KelpRest before) {
+  KelpRest rest = before;
+  uint at = kelpCageCell(cell);
+  vec3 x[8];
+  for (uint i = 0u; i < 4u; ++i) {
+    uint pair = KELP_CAGE_WORD(at + 2u + i);
+    uint node = pair & 0x3fffffu;
+    x[2u * i] = KELP_NODE(node);
+    x[2u * i + 1u] = KELP_NODE(node + (pair >> 22u));
+  }
+  vec3 low = min(min(min(x[0], x[1]), min(x[2], x[3])), min(min(x[4], x[5]), min(x[6], x[7])));
+  vec3 high = max(max(max(x[0], x[1]), max(x[2], x[3])), max(max(x[4], x[5]), max(x[6], x[7])));
+  if (!(distance(p, clamp(p, low, high)) < abs(rest.beside))) return rest;
+  // First by all edges' means, then by tetrahedra.
+  mat3 edges = 0.25 * mat3(x[1] - x[0] + x[3] - x[2] + x[5] - x[4] + x[7] - x[6],
+                           x[2] - x[0] + x[3] - x[1] + x[6] - x[4] + x[7] - x[5],
+                           x[4] - x[0] + x[5] - x[1] + x[6] - x[2] + x[7] - x[3]);
+  vec3 f = vec3(0.5);
+  vec3 there = 0.125 * (x[0] + x[1] + x[2] + x[3] + x[4] + x[5] + x[6] + x[7]);
+  for (int i = 0; i < 3; ++i) {
+    if (!(determinant(edges) > 0.0)) return rest;
+    f = clamp(f + inverse(edges) * (p - there), 0.0, 1.0);
+    edges = kelpCellEdges(x, f);
+    // Where it is held, along one edge after the other.
+    for (int k = 0; k < 6; ++k) {
+      vec3 edge = edges[k % 3];
+      float way = dot(edge, p - x[0] - edges * f) / dot(edge, edge);
+      f[k % 3] = clamp(f[k % 3] + way, 0.0, 1.0);
+    }
+    edges = kelpCellEdges(x, f);
+    there = x[0] + edges * f;
+  }
+  float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
+  float beside = max(distance(p, there) - 1e-3 * side, 0.0);  // within it but for rounding
+  if (!(beside < abs(rest.beside))) return rest;
+  uint place = KELP_CAGE_WORD(at);
+  rest.at = side * (vec3(float(place & 255u), float((place >> 8u) & 255u), float((place >> 16u) & 255u)) + f);
+  rest.at = min(rest.at, kelp_distance_size);
+  rest.beside = beside;
+  rest.axes = edges * (1.0 / side);
+  // Beyond which faces of the cell?
+  bool inside = false;
+  bool outside = false;
+  for (int i = 0; i < 6; ++i) {
+    if (f[i >> 1] != float(i & 1)) continue;
+    uint beyond = kelpCageBeyond(at, i);
+    inside = inside || beyond == KELP_CAGE_INSIDE;
+    outside = outside || beyond == KELP_CAGE_OUTSIDE;
+  }
+  if (inside && !outside) rest.beside = -beside;
+  return rest;
+}
+float kelpToTreeBox(vec3 p, int node) {
+  return distance(p, clamp(p, KELP_CAGE_LOW(node), KELP_CAGE_HIGH(node)));
+}
+// By the nearest cell that is nearer than `most`, or else as far beside. It walks down the tree, the nearer
+// box first. Bit i of `farther`: i levels above there is a farther box to come back to.
+KelpRest kelpRestOfCaged(vec3 p, float most) {
+  KelpRest rest;
+  rest.at = vec3(0.0);
+  rest.beside = most;
+  rest.axes = mat3(1.0);
+  int leaves = KELP_CAGE_LEAVES;
+  uint cells = KELP_CAGE_WORD(0u);
+  int node = 1;
+  uint farther = 0u;
+  bool going = leaves > 0;
+  int steps = 0;
+  while (going && steps < KELP_MAX_STEPS) {
+    bool down = true;
+    while (down && node < leaves) {
+      int left = 2 * node;
+      float to_left = kelpToTreeBox(p, left);
+      float to_right = kelpToTreeBox(p, left + 1);
+      ++steps;
+      down = min(to_left, to_right) < abs(rest.beside);
+      if (down) {
+        node = to_right < to_left ? left + 1 : left;
+        farther = farther + farther + (max(to_left, to_right) < abs(rest.beside) ? 1u : 0u);
+      }
+    }
+    if (down) {
+      for (int i = 0; i < KELP_LEAF_CELLS; ++i) {
+        uint cell = KELP_LEAF_CELL(KELP_LEAF_CELLS * (node - leaves) + i);
+        if (cell < cells) rest = kelpRestOfCell(p, cell, rest);
+      }
+    }
+    do {
+      going = farther != 0u;
+      while (going && (farther & 1u) == 0u) {
+        farther = farther >> 1u;
+        node = node >> 1;
+      }
+      farther = farther & 0xfffffffeu;
+      node = node ^ 1;
+      ++steps;
+    } while (going && !(kelpToTreeBox(p, node) < abs(rest.beside)));
+  }
+  return rest;
+}
+// most: how far to look for cells.
+KelpRest kelpRestOf(vec3 p, float most) {
+  if (KELP_CAGED) return kelpRestOfCaged(p, most);
+  return KELP_SWEPT ? kelpRestOfSwept(p) : kelpRestOfSheared(p);
+}
+// The signed distance of a point, of that where it is held.
+float kelpBeside(KelpRest rest, float held) {
+  return rest.beside > 0.0 ? length(vec2(rest.beside, max(held, 0.0))) : held + rest.beside;
+}
 // One level of distances.
 struct KelpDistances {
   uint cells;
@@ -135,7 +261,9 @@ bool kelpLevelOf(float distance, out KelpDistances d) {
 // grew along a normal of part space (unit, or 0: not at all) from the center of the voxel that the point is
 // in. Quick: reads one voxel. Where nothing is known there is nothing.
 float kelpNearby(vec3 p, vec3 normal, KelpDistances d) {
-  KelpRest rest = kelpRestOf(p);
+  float most = 1.5 * d.far * d.side;
+  KelpRest rest = kelpRestOf(p, most);
+  if (rest.beside >= most) return most;
   vec3 at = rest.at / d.side;
   ivec3 voxel = min(ivec3(at), d.last);
   float distance = kelpDistanceAt(d, voxel);
@@ -145,8 +273,7 @@ float kelpNearby(vec3 p, vec3 normal, KelpDistances d) {
     if (distance < d.far) distance += dot(n, at - vec3(voxel) - 0.5) / scale;
     distance *= scale;
   }
-  distance *= d.side;
-  return rest.beside > 0.0 ? length(vec2(rest.beside, max(distance, 0.0))) : distance;
+  return kelpBeside(rest, distance * d.side);
 }
 
 // The signed distance at a point at rest, linear between the centers of voxels, and its gradient (xyz). Of
@@ -183,7 +310,7 @@ vec4 kelpRestDistance(vec3 rest) {
 // The signed distance of a point of part space from the part of this record, in units of part space. Without
 // a gradient (in the middle of things, and beyond the band) the distance is that at rest.
 float kelpPartDistance(vec3 p) {
-  KelpRest rest = kelpRestOf(p);
+  KelpRest rest = kelpRestOf(p, kKelpFar);
   vec4 at = kelpRestDistance(rest.at);
   if (at.w >= kKelpFar) return kKelpFar;
   float steepness = length(at.xyz);
@@ -191,5 +318,5 @@ float kelpPartDistance(vec3 p) {
     // The gradient in part space: the inverse transpose of the map's derivative.
     at.w *= steepness / length(at.xyz * inverse(rest.axes));
   }
-  return rest.beside > 0.0 ? length(vec2(rest.beside, max(at.w, 0.0))) : at.w;
+  return kelpBeside(rest, at.w);
 }

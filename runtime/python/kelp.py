@@ -374,6 +374,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "asset_get_track": (_Handle, c_int32, c_int32, _p(_Track)),
     "asset_get_socket": (_Handle, c_int32, _p(_Socket)),
     "asset_find_socket": (_Handle, c_char_p, c_int32, _p(c_int32)),
+    "asset_get_cage_cells": (_Handle, c_int32, _p(c_uint32), c_uint32, _p(c_uint32)),
     "asset_get_joint": (_Handle, c_int32, _p(_Joint)),
     "asset_find_joint": (_Handle, c_char_p, _p(c_int32)),
     "asset_resident_level": (_Handle, c_int32, c_int32, _p(c_int32)),
@@ -418,6 +419,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "spring_destroy": (_Handle,),
     "spring_get_parts": (_Handle, _p(c_int32)),
     "spring_get_swings": (_Handle, c_int32, c_void_p, c_uint32, _p(c_uint32)),
+    "spring_get_node_swings": (_Handle, c_int32, c_void_p, c_uint32, _p(c_uint32)),
     "spring_reset": (_Handle,),
     "spring_push": (_Handle, c_int32, _Floats),
     "spring_push_in_world": (_Handle, _p(_Instance), c_int32, _Floats),
@@ -943,6 +945,16 @@ class Asset(_Object):
         _call("asset_find_socket", self._handle, _of(name, str), part, byref(socket))
         return socket.value
 
+    def cage_cells(self, part: int) -> Array:
+        """The cells of the part's finest cage: (n, 8) numbers of nodes (Pose.nodes()), corner i at
+        x + (i & 1), y + (i >> 1 & 1), z + (i >> 2). (0, 8) without a cage."""
+        count = c_uint32()
+        _call("asset_get_cage_cells", self._handle, part, None, 0, byref(count))
+        cells = np.zeros((count.value, 8), np.uint32)
+        _call("asset_get_cage_cells", self._handle, part, cells.ctypes.data_as(_p(c_uint32)), count.value,
+              byref(count))
+        return cells
+
     def find_joint(self, name: str) -> int:
         """The first joint of that name. Error: there is none; the text lists the names."""
         joint = c_int32()
@@ -1244,8 +1256,9 @@ def _used(instances: Instances, change: Optional[_Object] = None,
 
 
 class Spring(_Object):
-    """Springs on the knots of an asset. Each frame: make the pose without the spring, step(), push, add_to().
-    frequency: Hz; damping: ratio; reach: heights of a part; rooted: the first knot is fixed."""
+    """Springs on the knots of an asset, and on the nodes of parts with cages. Each frame: make the pose
+    without the spring, step(), push, add_to(). frequency: Hz; damping: ratio; reach: heights of a part;
+    rooted: the first knot and the lowest nodes are fixed."""
 
     _kind = "spring"
 
@@ -1280,6 +1293,10 @@ class Spring(_Object):
         """The movement of a part's knots relative to their pose, a copy: (n,) SWING."""
         return _counted(lambda *to: self._read("get_swings", part, *to), SWING)
 
+    def node_swings(self, part: int) -> Array:
+        """The same of the nodes of the part's finest cage: (0,) without a cage."""
+        return _counted(lambda *to: self._read("get_node_swings", part, *to), SWING)
+
     def reset(self) -> None:
         """To rest, without wind."""
         self._change("reset")
@@ -1300,7 +1317,8 @@ class Spring(_Object):
         self._change_at(instance, "set_wind_in_world", part, _vector(acceleration, "acceleration"))
 
     def push_away(self, instance: Instance, center: npt.ArrayLike, radius: float) -> None:
-        """Pushes every part out of a sphere in the world. The instance's pose: without the spring."""
+        """Pushes every part out of a sphere in the world, of parts with cages the nodes near it. The
+        instance's pose: without the spring."""
         self._change_at(instance, "push_away", _vector(center, "center"), radius)
 
     def step(self, seconds: float) -> None:

@@ -15,7 +15,7 @@ glm::mat4 motionMatrix(const Part& part, const Motion& motion) {
   glm::mat4 trs = glm::mat4_cast(motion.rotation);
   for (int i = 0; i < 3; ++i) trs[i] *= motion.scale[i];
   trs[3] = glm::vec4(motion.translation, 1.0f);
-  return pivot * trs * glm::inverse(pivot);
+  return pivot * trs * glm::affineInverse(pivot);
 }
 
 // The height of a rest point in the deformed part, voxels.

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "cages/pose_nodes.h"
 #include "kelp/simd/bound_knots.h"
 #include "pose_writer.h"
 #include "posed_part.h"
@@ -96,6 +97,8 @@ Nearest nearestTo(const glm::vec3& point, std::span<const Knot> knots, float hei
   return nearest;
 }
 
+std::uint32_t nodesOf(const Part& part) { return part.cages.empty() ? 0 : part.cages[0].nodes(); }
+
 constexpr Error kNoPart{ErrorCode::kMisuse, "there is no part of that index"};
 Error foreign() { return {ErrorCode::kMisuse, "the spring does not fit this asset or pose"}; }
 
@@ -109,25 +112,37 @@ Result<Spring> Spring::create(const Asset& asset, const SpringOptions& options, 
   if (!(options.reach > 0 && options.reach <= 1000))
     return Error{ErrorCode::kMisuse, "a spring's reach is out of range"};
   const std::span<const Part> parts = asset.pack().parts();
-  std::size_t total = 0;
-  for (const Part& part : parts) total += part.knots.size();
+  std::size_t total = 0, nodes = 0, most_nodes = 0;
+  for (const Part& part : parts) {
+    total += part.knots.size();
+    const std::size_t of_part = nodesOf(part);
+    nodes += of_part;
+    most_nodes = std::max(most_nodes, of_part);
+  }
   Spring spring;
   spring.options_ = options;
   spring.omega_ = static_cast<float>(2 * std::numbers::pi * double{options.frequency});
   spring.bodies_ = Buffer<Body>(allocator);
   spring.swings_ = Buffer<Swing>(allocator);
   spring.at_ = Buffer<float>(allocator);
-  if (!spring.bodies_.reset(parts.size()) || !spring.swings_.reset(total) || !spring.at_.reset(total)) {
+  spring.node_swings_ = Buffer<Swing>(allocator);
+  spring.node_places_ = Buffer<glm::vec3>(allocator);
+  // Four floats are read of the last place.
+  if (!spring.bodies_.reset(parts.size()) || !spring.swings_.reset(total) || !spring.at_.reset(total) ||
+      !spring.node_swings_.reset(nodes) || !spring.node_places_.reset(nodes == 0 ? 0 : most_nodes + 1)) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a spring"};
   }
-  std::uint32_t n = 0;
+  std::uint32_t n = 0, node = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const glm::vec3 size(parts[i].size);
     spring.bodies_[i] = {n,
                          static_cast<std::uint32_t>(parts[i].knots.size()),
                          size.y,
                          {0.5f * size.x, 0, 0.5f * size.z},
-                         glm::vec3(0)};
+                         glm::vec3(0),
+                         node,
+                         nodesOf(parts[i])};
+    node += spring.bodies_[i].nodes;
     for (const Knot& knot : parts[i].knots) spring.at_[n++] = knot.at;
   }
   return spring;
@@ -141,19 +156,28 @@ std::span<const Swing> Spring::knots(int part) const {
 
 void Spring::reset() {
   std::fill(swings_.begin(), swings_.end(), Swing{});
-  for (Body& body : bodies_) body.lean = glm::vec3(0);
+  std::fill(node_swings_.begin(), node_swings_.end(), Swing{});
+  for (Body& body : bodies_) {
+    body.lean = glm::vec3(0);
+    body.moved = body.moved_end = 0;
+  }
 }
 
 bool Spring::fits(const Asset& asset) const {
   const std::span<const Part> parts = asset.pack().parts();
   return std::equal(parts.begin(), parts.end(), bodies_.begin(), bodies_.end(),
-                    [](const Part& part, const Body& body) { return part.knots.size() == body.knots; });
+                    [](const Part& part, const Body& body) {
+                      return part.knots.size() == body.knots && nodesOf(part) == body.nodes;
+                    });
 }
 
 bool Spring::fits(const Pose& pose) const {
   if (pose.parts() != parts()) return false;
   for (int part = 0; part < parts(); ++part) {
-    if (pose.knots(part).size() != bodies_[static_cast<std::size_t>(part)].knots) return false;
+    const Body& body = bodies_[static_cast<std::size_t>(part)];
+    const NodesInPose* const in = PoseCages::of(pose, part);
+    if (pose.knots(part).size() != body.knots || (in ? in->cages[0].node_count : 0) != body.nodes)
+      return false;
   }
   return true;
 }
@@ -163,17 +187,19 @@ float Spring::share(const Body& body, std::uint32_t knot) const {
   return options_.rooted ? evenLoad(at_[body.first + knot]) : 1.0f;
 }
 
-// Squared amplitude of the undamped swing about the place where the wind holds the knot.
-float Spring::energyOf(const Body& body, std::uint32_t knot) const {
-  const Swing& swing = swings_[body.first + knot];
-  return squared(swing.offset - share(body, knot) * body.lean) + squared(swing.velocity / omega_);
+// The share of its reach that a node has. at: its height in the part, in heights.
+float Spring::shareOfNode(float at) const {
+  const float low = std::min(at / kLowestLoad, 1.0f);
+  return options_.rooted ? low * low * (3 - 2 * low) : 1.0f;
 }
 
-// Cuts what a push added beyond the reach of the knot, or beyond its energy before the push.
-void Spring::limit(const Body& body, std::uint32_t knot, float energy_before) {
-  Swing& swing = swings_[body.first + knot];
-  const glm::vec3 held = share(body, knot) * body.lean;
-  const float reach = options_.reach * share(body, knot);
+// Squared amplitude of the undamped swing about the place where the wind holds it.
+float Spring::energyOf(const Swing& swing, const glm::vec3& held) const {
+  return squared(swing.offset - held) + squared(swing.velocity / omega_);
+}
+
+// Cuts what a push added beyond the reach, or beyond the energy before the push.
+void Spring::limit(Swing& swing, const glm::vec3& held, float reach, float energy_before) const {
   const float most = std::max(reach * reach, energy_before);
   glm::vec3 away = swing.offset - held;
   if (const float far = glm::length(away); far * far > most) {
@@ -192,9 +218,11 @@ Result<void> Spring::push(int part, const glm::vec3& velocity) {
   const float most = 4 * omega_ * options_.reach;
   const glm::vec3 change = glm::clamp(velocity, glm::vec3(-most), glm::vec3(most));
   for (std::uint32_t i = 0; i < body.knots; ++i) {
-    const float before = energyOf(body, i);
-    swings_[body.first + i].velocity += share(body, i) * change;
-    limit(body, i, before);
+    Swing& swing = swings_[body.first + i];
+    const float of_push = share(body, i);
+    const float before = energyOf(swing, of_push * body.lean);
+    swing.velocity += of_push * change;
+    limit(swing, of_push * body.lean, options_.reach * of_push, before);
   }
   return {};
 }
@@ -235,7 +263,8 @@ Result<void> Spring::step(float seconds) {
   if (!(seconds >= 0) || !std::isfinite(seconds))
     return Error{ErrorCode::kMisuse, "a time step is negative or not finite"};
   const Advance by = advanceBy(double{seconds}, double{omega_}, double{options_.damping});
-  for (const Body& body : bodies_) {
+  for (Body& body : bodies_) {
+    if (body.moved < body.moved_end) stepNodes(body, by.a, by.b, by.c, by.d);
     for (std::uint32_t i = 0; i < body.knots; ++i) {
       Swing& swing = swings_[body.first + i];
       const glm::vec3 held = share(body, i) * body.lean, away = swing.offset - held,
@@ -277,6 +306,10 @@ Result<void> Spring::addTo(Pose& pose) const {
   for (int part = 0; part < parts(); ++part)
     addTo(bodies_[static_cast<std::size_t>(part)], PoseWriter::knots(pose, part));
   pose.clamp();
+  bool moved = false;
+  for (int part = 0; part < parts(); ++part)
+    moved |= addToNodes(bodies_[static_cast<std::size_t>(part)], part, pose);
+  if (moved) pose.clamp();
   return {};
 }
 
@@ -288,6 +321,11 @@ Result<void> Spring::pushAway(const Instance& instance, const glm::vec3& center,
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const std::span<const Knot> pose =
         instance.pose ? instance.pose->knots(static_cast<int>(i)) : parts[i].knots;
+    if (!parts[i].cages.empty()) {
+      const Result<void> pushed = pushNodesAway(bodies_[i], instance, static_cast<int>(i), center, radius);
+      if (!pushed) return pushed;
+      continue;
+    }
     if (pose.size() < 2) continue;
     pushAway(bodies_[i], parts[i], pose, matrixOf(instance, static_cast<int>(i)), center, radius);
   }
@@ -333,10 +371,11 @@ void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> 
       const float weight = options_.rooted ? pointLoad(at_[body.first + i], nearest.at) : 1.0f;
       if (weight == 0) continue;
       Swing& swing = swings_[body.first + i];
-      const float before = energyOf(body, i);
+      const glm::vec3 held = share(body, i) * body.lean;
+      const float before = energyOf(swing, held);
       swing.offset += weight * out;
       swing.velocity -= std::min(glm::dot(swing.velocity, normal), 0.0f) * normal;
-      limit(body, i, before);
+      limit(swing, held, options_.reach * share(body, i), before);
     }
   }
 }

@@ -28,7 +28,8 @@ export interface Knot {
 export interface Part {
   name: string;
   kind: 'solid' | 'fog' | 'empty';
-  bend: 'shear' | 'sweep';
+  /** cage: with the nodes of a lattice, which follow the spline. */
+  bend: 'shear' | 'sweep' | 'cage';
   levels: number;
   /** Voxels of the finest level. */
   size: Vector;

@@ -56,6 +56,8 @@ const Call kAssetCalls[] = {
     {"info", [](const Handles& h) { return kelp_asset_get_info(h.asset, out<kelp_asset_info>()); }},
     {"part", [](const Handles& h) { return kelp_asset_get_part(h.asset, 0, out<kelp_part>()); }},
     {"clip", [](const Handles& h) { return kelp_asset_get_clip(h.asset, 0, out<kelp_clip>()); }},
+    {"cage_cells",
+     [](const Handles& h) { return kelp_asset_get_cage_cells(h.asset, 0, nullptr, 0, &count); }},
     {"find_clip", [](const Handles& h) { return kelp_asset_find_clip(h.asset, "sway", &number); }},
     {"find_part", [](const Handles& h) { return kelp_asset_find_part(h.asset, "stem", &number); }},
     {"wave", [](const Handles& h) { return kelp_asset_get_wave(h.asset, 0, 0, out<kelp_wave>()); }},
@@ -131,6 +133,8 @@ const Call kPoseCalls[] = {
 const Call kSpringCalls[] = {
     {"parts", [](const Handles& h) { return kelp_spring_get_parts(h.spring, &number); }},
     {"swings", [](const Handles& h) { return kelp_spring_get_swings(h.spring, 0, swings, 4, &count); }},
+    {"node_swings",
+     [](const Handles& h) { return kelp_spring_get_node_swings(h.spring, 0, swings, 4, &count); }},
     {"reset", [](const Handles& h) { return kelp_spring_reset(h.spring); }},
     {"push", [](const Handles& h) { return kelp_spring_push(h.spring, 0, kNumbers); }},
     {"push_in_world",

@@ -191,6 +191,7 @@ class Poses(Column):
 
     def test_nodes(self):
         self.assertEqual((0, 3), self.pose.nodes(0).shape)
+        self.assertEqual((0, 8), self.asset.cage_cells(0).shape)
         self.assertEqual((0, 3), self.pose.write_nodes(0).shape)
         with kelp.Asset(CAGED) as asset:
             comb, pose = asset.find_part("comb"), kelp.Pose(asset)
@@ -198,6 +199,9 @@ class Poses(Column):
             self.assertEqual((np.float32, 2, 3), (rest.dtype, rest.ndim, rest.shape[1]))
             nodes = pose.write_nodes(comb)
             self.near(nodes, rest, 0)
+            cells = asset.cage_cells(comb)
+            self.assertEqual(set(range(len(rest))), set(cells.ravel()))
+            self.assertGreater((rest[cells[:, 7]] - rest[cells[:, 0]]).min(), 1.9)
             nodes[:, 0] += 5
             self.near(pose.nodes(comb), rest + (5, 0, 0), 0)
             pose.check()
@@ -221,6 +225,21 @@ class Poses(Column):
             array = kelp.Pose(asset).write_nodes(comb)  # keeps the pose
             gc.collect()
             self.near(array, rest, 0)
+
+    def test_springs_push_nodes(self):
+        with kelp.Asset(CAGED) as asset:
+            comb, pose = asset.find_part("comb"), kelp.Pose(asset)
+            spring, rest = kelp.Spring(asset), pose.nodes(comb)
+            self.assertEqual(len(rest), len(spring.node_swings(comb)))
+            instance = kelp.Instance(asset, pose)
+            low, high = instance.bounds()
+            spring.push_away(instance, (low + high) / 2, 0.4)
+            swings = spring.node_swings(comb)["offset"]
+            self.assertGreater(np.abs(swings).max(), 0.01)
+            spring.add_to(pose)
+            moved = np.abs(swings).max(axis=1) > 0
+            self.assertTrue(np.array_equal(moved, (pose.nodes(comb) != rest).any(axis=1)))
+        self.assertEqual(0, len(kelp.Spring(self.asset).node_swings(0)))
 
     def test_blend(self):
         self.bend()

@@ -235,5 +235,70 @@ TEST(CSpring, SwingsAsInCpp) {
   }
 }
 
+// At rest a cell is a cube.
+TEST(CPose, CellsAreCubesOfNodes) {
+  const BothAssets assets(packFile("cage"));
+  const BothPoses poses(assets);
+  for (int part = 0; part < 3; ++part) {
+    SCOPED_TRACE(part);
+    std::uint32_t count = 0, nodes = 0;
+    ASSERT_KELP(kelp_asset_get_cage_cells(assets.c, part, nullptr, 0, &count));
+    ASSERT_KELP(kelp_pose_get_nodes(poses.c, part, nullptr, 0, &nodes));
+    ASSERT_EQ(count == 0, nodes == 0);
+    if (count == 0) continue;
+    std::vector<glm::vec3> rest(nodes);
+    ASSERT_KELP(kelp_pose_get_nodes(poses.c, part, &rest[0].x, nodes, &nodes));
+    std::vector<std::uint32_t> cells(std::size_t{8} * count + 1, 77);
+    ASSERT_KELP(kelp_asset_get_cage_cells(assets.c, part, cells.data(), count, &count));
+    EXPECT_EQ(cells.back(), 77u);
+    const float side = rest[cells[1]].x - rest[cells[0]].x;
+    EXPECT_GE(side, 2);
+    for (std::size_t i = 0; i < std::size_t{8} * count; ++i) {
+      const glm::vec3 corner(i & 1, i >> 1 & 1, i >> 2 & 1);
+      EXPECT_LT(glm::distance(rest[cells[i]], rest[cells[i & ~std::size_t{7}]] + side * corner), 1e-3f) << i;
+    }
+    EXPECT_KELP(KELP_ERROR_NULL, kelp_asset_get_cage_cells(assets.c, part, nullptr, 1, &count));
+    EXPECT_KELP(KELP_ERROR_NULL, kelp_asset_get_cage_cells(assets.c, part, nullptr, 0, nullptr));
+  }
+  std::uint32_t count = 0;
+  for (const std::int32_t part : {-1, 9})
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_get_cage_cells(assets.c, part, nullptr, 0, &count));
+}
+
+TEST(CSpring, PushesNodesAsInCpp) {
+  constexpr int kComb = 2;
+  const BothAssets assets(packFile("cage"));
+  BothSprings springs(assets, {.frequency = 2});
+  BothPoses poses(assets);
+  const kelp_instance in = instanceOf(assets.c, poses.c);
+  const runtime::Instance same{&*assets.cpp, &poses.cpp};
+  const glm::vec3 player = 0.5f * (runtime::bounds(same).min + runtime::bounds(same).max);
+  ASSERT_KELP(kelp_spring_push_away(springs.c, &in, &player.x, 0.4f));
+  springs.cpp.pushAway(same, player, 0.4f).value();
+  const std::span<const runtime::Swing> expected = springs.cpp.nodes(kComb);
+  std::vector<kelp_swing> swings(expected.size());
+  std::uint32_t count = 0;
+  ASSERT_KELP(kelp_spring_get_node_swings(springs.c, kComb, nullptr, 0, &count));
+  ASSERT_EQ(expected.size(), count);
+  ASSERT_KELP(kelp_spring_get_node_swings(springs.c, kComb, swings.data(), count, &count));
+  EXPECT_EQ(std::memcmp(swings.data(), expected.data(), expected.size_bytes()), 0);
+  EXPECT_TRUE(std::any_of(expected.begin(), expected.end(),
+                          [](const runtime::Swing& swing) { return swing.offset != glm::vec3(0); }));
+  ASSERT_KELP(kelp_spring_add_to(springs.c, poses.c));
+  springs.cpp.addTo(poses.cpp).value();
+  std::vector<glm::vec3> nodes(expected.size());
+  ASSERT_KELP(kelp_pose_get_nodes(poses.c, kComb, &nodes[0].x, count, &count));
+  const std::span<const glm::vec3> moved = std::as_const(poses.cpp).nodes(kComb);
+  EXPECT_TRUE(std::equal(nodes.begin(), nodes.end(), moved.begin(), moved.end()));
+  for (const std::int32_t part : {-1, 9})
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_spring_get_node_swings(springs.c, part, nullptr, 0, &count));
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_spring_get_node_swings(springs.c, kComb, nullptr, 1, &count));
+  const BothAssets plain(packFile("distance"));
+  const BothSprings uncaged(plain, {});
+  ASSERT_KELP(kelp_spring_get_node_swings(uncaged.c, 0, nullptr, 0, &count));
+  EXPECT_EQ(count, 0u);
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_spring_get_node_swings(uncaged.c, 0, nullptr, 1, &count));
+}
+
 }  // namespace
 }  // namespace kelp::test

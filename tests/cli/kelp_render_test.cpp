@@ -85,7 +85,16 @@ TEST_F(KelpRender, DistancesAreShownOnASlice) {
   const std::string without = folder_ / "without.kelp";
   std::filesystem::rename(pack_, without);
   write(pack_, bytesOf(pack));
-  const Picture slice = picture({"--view", "distance", "--size", "512x512", "--samples", "1"});
+  const std::vector<std::string> options = {"--view", "distance", "--size", "512x512", "--samples", "1"};
+  std::vector<std::string> caged = options;
+  caged.insert(caged.end(), {"--bend", "cage"});
+  const Picture slice = picture(options), in_cage = picture(caged);
+  int apart = 0;
+  for (int i = 0; i < 512 * 512; ++i) {
+    const glm::ivec4 off = glm::abs(slice.at(i % 512, i / 512) - in_cage.at(i % 512, i / 512));
+    apart += std::max({off.r, off.g, off.b}) > 40;
+  }
+  EXPECT_LT(apart, 512 * 512 / 20) << "contours, and the middle of the box, may differ";
   const glm::ivec4 inside = slice.at(256, 256), outside = slice.at(8, 256);
   EXPECT_GT(inside.r, inside.b + 50);
   EXPECT_GT(outside.b, outside.r + 50);
@@ -151,7 +160,6 @@ TEST_F(KelpRender, ShadowsAndOcclusionAreSwitches) {
 
 // A box with a groove across its front shades itself about as much by distances as by rays.
 TEST_F(KelpRender, ShadowsAndOcclusionMayComeFromDistances) {
-  const auto with = [&](const std::vector<std::string>& options) { return sumOf(picture(options)); };
   const std::string without = folder_ / "without.kelp";
   std::filesystem::copy_file(pack_, without);
   fields::Occupancy grooved = boxVolume();
@@ -160,18 +168,25 @@ TEST_F(KelpRender, ShadowsAndOcclusionMayComeFromDistances) {
     for (v.y = 16; v.y < 32; ++v.y)
       for (v.x = 0; v.x < 24; ++v.x) grooved.solid[grooved.index(v)] = 0;
   write(pack_, bytesOf(distancePackOf(grooved)));
-  const long plain = with({"--shadows", "off"});
-  const long hard = plain - with({}), soft = plain - with({"--soft-shadows", "1"});
-  EXPECT_GT(hard, 0);
-  EXPECT_GT(soft, hard / 2);
-  EXPECT_LT(soft, hard * 2);
-  EXPECT_NE(with({"--soft-shadows", "8"}), with({"--soft-shadows", "1"}));
-  EXPECT_EQ(with({"--soft-shadows", "0"}), with({}));
-  const long rays = plain - with({"--shadows", "off", "--occlusion", "16"});
-  const long distances = plain - with({"--shadows", "off", "--occlusion", "distances"});
-  EXPECT_GT(distances, rays / 2);
-  EXPECT_LT(distances, rays * 2);
-  EXPECT_LT(with({"--soft-shadows", "1", "--occlusion", "distances"}), plain - soft);
+  for (const char* const bend : {"shear", "cage"}) {
+    SCOPED_TRACE(bend);
+    const auto with = [&](std::vector<std::string> options) {
+      options.insert(options.end(), {"--bend", bend});
+      return sumOf(picture(options));
+    };
+    const long plain = with({"--shadows", "off"});
+    const long hard = plain - with({}), soft = plain - with({"--soft-shadows", "1"});
+    EXPECT_GT(hard, 0);
+    EXPECT_GT(soft, hard / 2);
+    EXPECT_LT(soft, hard * 2);
+    EXPECT_NE(with({"--soft-shadows", "8"}), with({"--soft-shadows", "1"}));
+    EXPECT_EQ(with({"--soft-shadows", "0"}), with({}));
+    const long rays = plain - with({"--shadows", "off", "--occlusion", "16"});
+    const long distances = plain - with({"--shadows", "off", "--occlusion", "distances"});
+    EXPECT_GT(distances, rays / 2);
+    EXPECT_LT(distances, rays * 2);
+    EXPECT_LT(with({"--soft-shadows", "1", "--occlusion", "distances"}), plain - soft);
+  }
 
   for (const std::vector<std::string>& option : {std::vector<std::string>{"--soft-shadows", "1"},
                                                  std::vector<std::string>{"--occlusion", "distances"}}) {

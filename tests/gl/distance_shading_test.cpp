@@ -10,7 +10,7 @@
 
 #include "../runtime/swept_truth.h"
 #include "canvas.h"
-#include "depth_canvas.h"
+#include "distance_probe.h"
 #include "kelp/runtime/pose.h"
 #include "light_truth.h"
 #include "reference/sweep_trials.h"
@@ -90,8 +90,8 @@ TEST_P(DistanceShadingTest, OcclusionErrsLittleMoreThanEightRays) {
     view.quality.occlusion = true;
     view.quality.soft_shadows = kSunDegrees;
     pictures.distances = draw(*renderer, canvas, view, posed.instance);
-    const LightErrors errors =
-        measureLight(volume, posed.instance, view, pictures, allTests() ? 20000 : shareOf(900));
+    const LightErrors errors = measureLight(LightSurfaces(volume, posed.instance, view, pictures.distances),
+                                            pictures, allTests() ? 20000 : shareOf(900));
     EXPECT_GT(errors.sun.count, 30) << figure.name;
     EXPECT_GT(errors.sun.shade, 0.03) << figure.name;
     EXPECT_LT(errors.sun.distances, 0.1 * errors.sun.shade) << figure.name;
@@ -217,26 +217,10 @@ TEST_P(DistanceShadingTest, KelpDistanceIsThatToTheVoxels) {
   const LoadedAsset loaded(distancePackOf(volume), loadDistances()), swept(swept_pack, loadDistances());
   const auto renderer = makeRenderer(*loaded.asset, nullptr, withDistances());
   ASSERT_TRUE(renderer->add(*swept.asset) && renderer->upload(~std::uint64_t{0}));
-  std::string text;
-  for (const char* string : renderer->traceGlsl()) text += string;
-  const GLuint program = makeProgram(
-      GetParam(),
-      "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, "
-      "1.0); }\n",
-      text +
-          "uniform vec3 low; uniform vec3 high;\n"
-          "layout(location = 0) out vec4 color;\n"
-          "void main() {\n"
-          "  vec2 at = gl_FragCoord.xy / 64.0;\n"
-          "  float d = kelpDistance(vec3(mix(low.xy, high.xy, at), mix(low.z, high.z, fract(at.x * 7.0))));\n"
-          "  float code = floor(clamp(0.5 + 0.25 * d, 0.0, 1.0) * 65280.0);\n"
-          "  color = vec4(floor(code / 256.0), mod(code, 256.0), 0.0, 255.0) / 255.0;\n"
-          "}\n");
+  const GLuint program = distanceProgram(GetParam(), *renderer);
   ASSERT_NE(program, 0u);
   const Layers layers(volume);
   const Canvas canvas({64, 64});
-  GLuint vertices = 0;
-  glGenVertexArrays(1, &vertices);
   for (const std::size_t i : {0u, 1u, 2u}) {  // at rest, bent, swept
     runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
     const std::vector<Knot> knots = i == 2 ? curl.knots : figureKnots(kFigure6[i]);
@@ -249,50 +233,17 @@ TEST_P(DistanceShadingTest, KelpDistanceIsThatToTheVoxels) {
       truth = std::make_unique<SweptTruth>(layers, knots, curl.roll);
     else
       truth = std::make_unique<BentTruth>(layers, knots);
-    const Box box = bounds(instance);
-    const glm::vec3 low = box.min - 0.1f, high = box.max + 0.1f;
-    ASSERT_TRUE(renderer->bindTrace(program, lookAt(canvas, {0, 0, 3}, {0, 0, 0}), {&instance, 1}));
-    glUseProgram(program);
-    glUniform3fv(glGetUniformLocation(program, "low"), 1, &low[0]);
-    glUniform3fv(glGetUniformLocation(program, "high"), 1, &high[0]);
-    canvas.clear();
-    glBindVertexArray(vertices);
-    glDisable(GL_DEPTH_TEST);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    const std::vector<Pixel> pixels = canvas.pixels();
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0).value()));
-    int near = 0, inside = 0;
-    double worst = 0;
-    std::vector<double> shares;
-    for (int n = 0; n < 64 * 64; ++n) {
-      const Pixel& pixel = pixels[static_cast<std::size_t>(n)];
-      const double found = 64 * 4 * ((256 * pixel[0] + pixel[1]) / 65280.0 - 0.5);  // voxels
-      const glm::dvec2 at((n % 64 + 0.5) / 64, (n / 64 + 0.5) / 64);
-      const glm::dvec3 point =
-          glm::mix(glm::dvec3(low), glm::dvec3(high), glm::dvec3(at, glm::fract(at.x * 7.0)));
-      const glm::dvec3 p(to_part * glm::dvec4(point, 1));
-      const double distance = glm::distance(p, truth->nearest(p));
-      if (distance == 0) {
-        ++inside;
-        EXPECT_LT(found, 0.9);
-      } else if (distance < 3) {
-        ++near;
-        worst = std::max(worst, std::abs(found - distance));
-      } else {
-        shares.push_back(found / distance);
-      }
-    }
-    EXPECT_GT(inside, 4);
-    EXPECT_GT(near, 30);
-    std::ranges::sort(shares);
+    const DistanceErrors errors = measureDistances(*renderer, program, canvas, instance, *truth);
+    EXPECT_GT(errors.inside, 4);
+    EXPECT_LT(errors.most_inside, 0.9);
+    EXPECT_GT(errors.near, 30);
     // Near the surface it is right; farther away coarser voxels say that something is nearer.
-    EXPECT_LT(worst, i == 0 ? 1 : 2.5);
-    EXPECT_GT(shares[shares.size() / 50], i == 0 ? 0.5 : 0.2);
-    EXPECT_GT(shares[shares.size() / 2], 0.8);
-    EXPECT_LT(shares[shares.size() * 49 / 50], i == 0 ? 1.1 : 1.6);
+    EXPECT_LT(errors.worst, i == 0 ? 1 : 2.5);
+    EXPECT_GT(errors.share(0.02), i == 0 ? 0.5 : 0.2);
+    EXPECT_GT(errors.share(0.5), 0.8);
+    EXPECT_LT(errors.share(0.98), i == 0 ? 1.1 : 1.6);
   }
   glDeleteProgram(program);
-  glDeleteVertexArrays(1, &vertices);
 }
 
 KELP_GL_TESTS(DistanceShadingTest);

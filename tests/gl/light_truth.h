@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <random>
@@ -56,19 +57,27 @@ struct Around {
   glm::dvec3 axis, across, beside;
 };
 
+// How far something solid is along a unit vector, in part space; infinite beyond `far`.
+using FirstHit = std::function<double(const glm::dvec3& origin, const glm::dvec3& direction, double far)>;
+inline FirstHit firstHitOf(const fields::Occupancy& volume, std::span<const Knot> knots) {
+  return [&volume, knots](const glm::dvec3& origin, const glm::dvec3& direction, double far) {
+    const reference::Volume dense{volume.size, volume.solid, 1, volume.size, {}};
+    const auto touch = reference::firstTouch(dense, knots, origin, direction, 0, far, 0);
+    return touch ? touch->s : std::numeric_limits<double>::infinity();
+  };
+}
+
 // Rays through one posed part, in double precision.
 class Truth {
  public:
-  Truth(const fields::Occupancy& volume, std::span<const Knot> knots, const glm::mat4& to_world)
-      : volume_(volume), knots_(knots), to_part_(glm::inverse(glm::dmat4(to_world))) {}
+  Truth(FirstHit first_hit, const glm::mat4& to_world)
+      : first_hit_(std::move(first_hit)), to_part_(glm::inverse(glm::dmat4(to_world))) {}
   // How far something solid is, world; infinite beyond `far`.
   double hit(const glm::dvec3& from, const glm::dvec3& direction, double far) const {
     const glm::dvec3 origin = glm::dvec3(to_part_ * glm::dvec4(from, 1));
     const glm::dvec3 slope = glm::dmat3(to_part_) * direction;
     const double speed = glm::length(slope);
-    const reference::Volume dense{volume_.size, volume_.solid, 1, volume_.size, {}};
-    const auto touch = reference::firstTouch(dense, knots_, origin, slope / speed, 0, far * speed, 0);
-    return touch ? touch->s / speed : std::numeric_limits<double>::infinity();
+    return first_hit_(origin, slope / speed, far * speed) / speed;
   }
   double sky(const glm::dvec3& from, const glm::dvec3& normal, double reach) const {
     const Around around(normal);
@@ -93,8 +102,7 @@ class Truth {
   }
 
  private:
-  const fields::Occupancy& volume_;
-  std::span<const Knot> knots_;
+  FirstHit first_hit_;
   glm::dmat4 to_part_;
 };
 
@@ -121,15 +129,19 @@ struct LightPictures {
 // The surfaces of one part that pixels show, where their rays start.
 class LightSurfaces {
  public:
-  LightSurfaces(const fields::Occupancy& volume, const runtime::Instance& instance, const gl::View& view,
+  LightSurfaces(FirstHit first_hit, const runtime::Instance& instance, const gl::View& view,
                 const std::vector<Pixel>& picture)
       : instance_(instance),
         view_(view),
         picture_(picture),
-        truth_(volume, instance.pose->knots(0), runtime::partToWorld(instance, 0).value()),
+        truth_(std::move(first_hit), runtime::partToWorld(instance, 0).value()),
         voxel_(glm::length(glm::dvec3(runtime::partToWorld(instance, 0).value()[0]))),
-        reach_(double{kReach} * std::max({volume.size.x, volume.size.y, volume.size.z}) * voxel_),
+        reach_(double{kReach} * longestSide(instance) * voxel_),
         towards_(glm::normalize(glm::dvec3(view.light.sun_direction))) {}
+
+  LightSurfaces(const fields::Occupancy& volume, const runtime::Instance& instance, const gl::View& view,
+                const std::vector<Pixel>& picture)
+      : LightSurfaces(firstHitOf(volume, instance.pose->knots(0)), instance, view, picture) {}
 
   struct Surface {
     glm::dvec3 normal{0}, from{0};
@@ -149,6 +161,11 @@ class LightSurfaces {
   double sun(const Surface& surface) const { return truth_.sun(surface.from, towards_, 1000 * voxel_); }
 
  private:
+  static double longestSide(const runtime::Instance& instance) {
+    const glm::ivec3 size = instance.asset->pack().parts()[0].size;
+    return std::max({size.x, size.y, size.z});
+  }
+
   const runtime::Instance& instance_;
   const gl::View& view_;
   const std::vector<Pixel>& picture_;
@@ -157,9 +174,7 @@ class LightSurfaces {
   glm::dvec3 towards_;
 };
 
-inline LightErrors measureLight(const fields::Occupancy& volume, const runtime::Instance& instance,
-                                const gl::View& view, const LightPictures& pictures, int tries) {
-  const LightSurfaces surfaces(volume, instance, view, pictures.distances);
+inline LightErrors measureLight(const LightSurfaces& surfaces, const LightPictures& pictures, int tries) {
   std::mt19937 random(7);
   LightErrors errors;
   for (int n = 0; n < tries; ++n) {

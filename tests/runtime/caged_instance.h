@@ -25,6 +25,10 @@ class CagedTruth : public SolidTruth {
   bool inside(const glm::dvec3& p) const override { return distance_.inside(p); }
   glm::dvec3 nearest(const glm::dvec3& p) const override { return inside(p) ? p : distance_.nearest(p); }
   int inverted() const { return cage_.inverted(); }
+  // How far a ray may go, part space; infinite: all the way.
+  double firstHit(const glm::dvec3& o, const glm::dvec3& r, double far) const {
+    return cage_.truthOf(o, r, far).owed.value_or(INFINITY);
+  }
 
  private:
   reference::CageTruth cage_;
@@ -53,17 +57,22 @@ class CagedDistances {
       at[i] += pose.shaken * side * (static_cast<double>(random()) / 4294967296.0 - 0.5);
     return glm::vec3(at);
   }
-  // In one pose. finest: of the levels of distances that are there; `asset`: with these.
-  std::unique_ptr<BentInstance> in(const reference::CagePose& pose, const runtime::Asset& asset,
-                                   const glm::mat4& to_world, unsigned seed) const {
+  // Puts the nodes there, and returns what is true then.
+  std::unique_ptr<CagedTruth> put(const reference::CagePose& pose, const runtime::Asset& asset,
+                                  runtime::Pose& posed) const {
     const Cage& cage = asset.pack().parts()[0].cages[0];
-    runtime::Pose posed = *runtime::Pose::create(asset);
     const std::span<glm::vec3> nodes = posed.nodes(0);
     for (std::uint32_t i = 0; i < cage.nodes(); ++i) nodes[i] = place(pose, cage.rest(i), cage.side, i);
     const reference::Volume volume{volume_.size, volume_.solid, 1, volume_.size};
-    auto truth = std::make_unique<CagedTruth>(
+    return std::make_unique<CagedTruth>(
         reference::CagedLevel{&cage, pack_.parts[0].cages[0].source(), 0, volume, {}}, nodes,
         [&](const glm::ivec3& corner) { return glm::vec3(pose.map(glm::dvec3(cage.side * corner))); });
+  }
+  // In one pose. finest: of the levels of distances that are there; `asset`: with these.
+  std::unique_ptr<BentInstance> in(const reference::CagePose& pose, const runtime::Asset& asset,
+                                   const glm::mat4& to_world, unsigned seed) const {
+    runtime::Pose posed = *runtime::Pose::create(asset);
+    auto truth = put(pose, asset, posed);
     return std::make_unique<BentInstance>(asset, std::move(posed), std::move(truth), to_world, seed);
   }
   // At rest; sheared, bent, twisted, scaled, squeezed; nodes moved within half a cell and within a cell.

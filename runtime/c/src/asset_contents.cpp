@@ -189,6 +189,21 @@ kelp_result kelp_asset_find_socket(kelp_asset asset, const char* name, int32_t p
   return name && socket ? answer(findSocket(*object->asset, name, part), socket) : nullPointer();
 }
 
+kelp_result kelp_asset_get_cage_cells(kelp_asset asset, int32_t part, uint32_t* nodes, uint32_t capacity,
+                                      uint32_t* count) {
+  const Pinned<AssetObject> object(asset.id);
+  if (!object) return object.bad();
+  if (!count || (!nodes && capacity > 0)) return nullPointer();
+  kelp_result result = KELP_OK;
+  const kelp::Part* const of =
+      elementOf(object->asset->pack().parts(), part, result, "there is no such part");
+  if (!of) return result;
+  *count = of->cages.empty() ? 0 : of->cages[0].cells();
+  for (std::uint32_t cell = 0; cell < std::min(capacity, *count); ++cell)
+    for (int corner = 0; corner < 8; ++corner) *nodes++ = of->cages[0].node(cell, corner);
+  return KELP_OK;
+}
+
 kelp_result kelp_asset_get_joint(kelp_asset asset, int32_t joint, kelp_joint* out) {
   return describeElement(asset, out, &Pack::joints, joint, "there is no such joint",
                          [](const Asset&, const kelp::Joint& from, kelp_joint& to) {

@@ -75,6 +75,17 @@ kelp_result kelp_spring_get_swings(kelp_spring spring, int32_t part, kelp_swing*
                     [=](const Spring& of) { return copyOut(of.knots(part), swings, capacity, count); });
 }
 
+kelp_result kelp_spring_get_node_swings(kelp_spring spring, int32_t part, kelp_swing* swings,
+                                        uint32_t capacity, uint32_t* count) {
+  return withSpring(spring, [=](const Spring& of) {
+    if (part < 0 || part >= of.parts() || !of.nodes(part).empty())
+      return copyOut(of.nodes(part), swings, capacity, count);
+    if (!count || (!swings && capacity > 0)) return nullPointer();
+    *count = 0;
+    return kelp_result{KELP_OK};
+  });
+}
+
 kelp_result kelp_spring_reset(kelp_spring spring) {
   return withSpring(spring, [](Spring& of) {
     of.reset();

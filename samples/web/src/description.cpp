@@ -39,7 +39,8 @@ void put(std::string& out, const Part& part) {
   out += "{\"name\":";
   put(out, part.name);
   out += std::string(",\"kind\":\"") + toString(part.kind) + '"';
-  out += part.bend == Bend::kSweep ? ",\"bend\":\"sweep\"" : ",\"bend\":\"shear\"";
+  const bool swept = part.bend == Bend::kSweep;
+  out += !part.cages.empty() ? ",\"bend\":\"cage\"" : swept ? ",\"bend\":\"sweep\"" : ",\"bend\":\"shear\"";
   out += ",\"levels\":" + std::to_string(part.levels) + ",\"size\":";
   put(out, glm::vec3(part.size));
   out += ",\"knots\":[";

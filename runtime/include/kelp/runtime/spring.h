@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Springs on the knots of an asset. Pushed by the player, a blow or the wind, they swing back. They work on
-// top of any pose:
+// Springs on the knots of an asset, and on the nodes of parts with cages. Pushed by the player, a blow or the
+// wind, they swing back. They work on top of any pose:
 //
 //   pose.reset();  addClip(asset, clip, seconds, 1, pose);       the pose without the spring
 //   spring.step(frame_seconds);
@@ -12,28 +12,33 @@
 
 namespace kelp::runtime {
 
+struct PosedPart;
+
 struct SpringOptions {
   float frequency = 1.0f;  // of the undamped swing, in Hz; > 0
   // Damping ratio, >= 0. 0: swings for ever. 1: returns fastest without overshoot. More: returns slowly.
   float damping = 0.25f;
-  // The farthest that pushes or wind move a knot, in heights of its part; > 0.
+  // The farthest that pushes or wind move a knot, or pushes a node, in heights of its part; > 0.
   float reach = 0.6f;
   // True: the first knot of a part is fixed, and the part bends like a beam: the farther from there, the
-  // more. False: nothing is fixed, and all knots are pushed alike.
+  // more. The lowest nodes of its cage are fixed, too. False: nothing is fixed, and all knots are pushed
+  // alike.
   bool rooted = true;
 };
 
-// The movement of a knot relative to its pose.
+// The movement of a knot or a node relative to its pose.
 struct Swing {
   glm::vec3 offset{0};    // heights of the part
   glm::vec3 velocity{0};  // heights per second
 };
 
 // Each knot is a damped harmonic oscillator about its place in the pose or, in wind, about the place where
-// the wind holds it. Keeps no pointer to its asset. Only create() allocates. Not thread-safe: use a spring on
-// one thread at a time. Different springs may be used on different threads at the same time. Functions that
-// return a Result return kMisuse, with nothing changed, for a part that does not exist, a pose or asset that
-// does not fit, and numbers that are not finite. The state stays finite for any pushes and time steps.
+// the wind holds it. Each node of a part's finest cage is one about the place where pose and knots put it.
+// Blows and wind move knots, spheres the knots of parts without cages and the nodes of parts with. Keeps no
+// pointer to its asset. Only create() allocates. Not thread-safe: use a spring on one thread at a time.
+// Different springs may be used on different threads at the same time. Functions that return a Result return
+// kMisuse, with nothing changed, for a part that does not exist, a pose or asset that does not fit, and
+// numbers that are not finite. The state stays finite for any pushes and time steps.
 class Spring {
  public:
   Spring() = default;  // of no part; fits no asset
@@ -46,6 +51,8 @@ class Spring {
   int parts() const { return static_cast<int>(bodies_.size()); }
   // The state of the knots of a part. Empty for a part that does not exist.
   std::span<const Swing> knots(int part) const;
+  // The same of the nodes of the part's finest cage. Empty also for a part without cages.
+  std::span<const Swing> nodes(int part) const;
   void reset();  // to rest, without wind
 
   // A blow: adds `velocity` (heights of the part per second, in its axes) to the free end of the part, and
@@ -66,16 +73,23 @@ class Spring {
   // pose without the spring; null means rest. The lowest quarter of a part yields only in part, and no knot
   // moves beyond `reach`. A radius of 0 or less has no effect. A part that hangs on another part's spline is
   // pushed where that spline puts it without this spring.
+  // A part with cages yields as a soft body: all cells leave the sphere, or as far as `reach` lets them.
+  // Nodes around a contact go with it, the less the farther away, up to 2.5 radii or cells; the others stay
+  // as they are, to the last bit. Where the sphere's center is in the cells, they go to the side where most
+  // of them are. Takes time in proportion to the cells of parts that the sphere may touch. kOutOfMemory: for
+  // the pose of an instance without one, which the asset makes at its first use.
   Result<void> pushAway(const Instance& instance, const glm::vec3& center, float radius);
 
   // Advances the springs by `seconds` >= 0. The solution is exact for any step: two half steps equal one
-  // whole.
+  // whole. When all nodes of a part are nearly at rest, to a millionth of its height, they are at rest.
   Result<void> step(float seconds);
 
   // Adds the offsets to the knots' positions, and the slopes of the curve through the offsets to their
   // tangents. The slope is 0 at a fixed root, and free ends have no curvature, so a rig of two knots bends
   // exactly like a beam that is loaded at its end. Then calls pose.clamp(), which changes nothing if
-  // a sheared part was pushed sideways.
+  // a sheared part was pushed sideways. Nodes that follow their spline go where it takes them now; those that
+  // the host wrote move with the curve of the knots' offsets. Then adds the offsets of nodes that swing: all
+  // nodes of such a part are the host's from then on, until pose.reset().
   Result<void> addTo(Pose& pose) const;
 
  private:
@@ -85,22 +99,38 @@ class Spring {
     float height = 0;     // voxels
     glm::vec3 middle{0};  // from the spline to the volume's middle line, voxels
     glm::vec3 lean{0};    // where the wind holds the free end, heights
+    std::uint32_t first_node = 0;
+    std::uint32_t nodes = 0;  // of its finest cage
+    // All others are at rest: indices from first_node.
+    std::uint32_t moved = 0, moved_end = 0;
   };
   Result<glm::vec3> fromWorld(const Instance& instance, int part, const glm::vec3& vector) const;
   bool fits(const Pose& pose) const;
   bool fits(const Asset& asset) const;
   float share(const Body& body, std::uint32_t knot) const;
-  float energyOf(const Body& body, std::uint32_t knot) const;
-  void limit(const Body& body, std::uint32_t knot, float energy_before);
+  float shareOfNode(float at) const;
+  float energyOf(const Swing& swing, const glm::vec3& held) const;
+  void limit(Swing& swing, const glm::vec3& held, float reach, float energy_before) const;
   void addTo(const Body& body, std::span<Knot> knots) const;
   void pushAway(const Body& body, const Part& part, std::span<const Knot> pose, const glm::mat4& to_world,
                 const glm::vec3& center, float radius);
+  // src/cages/node_springs.cpp
+  struct Ball;
+  bool movesOf(const Body& body, int side, const PosedPart* followed, std::span<glm::mat4x3> moves) const;
+  Result<void> pushNodesAway(Body& body, const Instance& instance, int part, const glm::vec3& center,
+                             float radius);
+  void pushNodes(Body& body, const Cage& cage, const Ball& ball, const glm::vec3& at, const glm::vec3& out,
+                 float range);
+  void stepNodes(Body& body, float a, float b, float c, float d);
+  bool addToNodes(const Body& body, int part, Pose& pose) const;
 
   SpringOptions options_;
   float omega_ = 0;  // radians per second
   Buffer<Body> bodies_;
   Buffer<Swing> swings_;
   Buffer<float> at_;
+  Buffer<Swing> node_swings_;
+  Buffer<glm::vec3> node_places_;  // while nodes are pushed
 };
 
 }  // namespace kelp::runtime

@@ -137,6 +137,12 @@ typedef struct kelp_part {
 KELP_API kelp_result kelp_asset_get_part(kelp_asset asset, int32_t part, kelp_part* out);
 // The first part of that name. KELP_ERROR_MISUSE: there is none; the error's text lists the names.
 KELP_API kelp_result kelp_asset_find_part(kelp_asset asset, const char* name, int32_t* part);
+// The cells of a part's finest cage, for what moves its nodes (kelp_pose_write_nodes): eight numbers of nodes
+// each, corner i at x + (i & 1), y + (i >> 1 & 1), z + (i >> 2). At most `capacity` cells are copied to
+// `nodes` (may be null if that is 0). *count: how many the part has; 0 without a cage. KELP_ERROR_MISUSE: no
+// such part.
+KELP_API kelp_result kelp_asset_get_cage_cells(kelp_asset asset, int32_t part, uint32_t* nodes,
+                                               uint32_t capacity, uint32_t* count);
 
 // An animation. kelp_pose_add_clip plays it.
 typedef struct kelp_clip {

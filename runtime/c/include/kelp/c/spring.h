@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Springs on the knots of an asset: pushed by the player, a blow or the wind, they swing back. Each frame:
-// make the pose without the spring, kelp_spring_step, push, kelp_spring_add_to. Use a spring on one thread at
-// a time. Include kelp/kelp.h.
+// Springs on the knots of an asset, and on the nodes of parts with cages: pushed by the player, a blow or the
+// wind, they swing back. Each frame: make the pose without the spring, kelp_spring_step, push,
+// kelp_spring_add_to. Use a spring on one thread at a time. Include kelp/kelp.h.
 //
 // KELP_ERROR_MISUSE: a part that does not exist, a pose or an asset that does not fit, numbers that are not
 // finite.
@@ -18,8 +18,8 @@ typedef struct kelp_spring_options {
   uint32_t struct_size;
   float frequency;   // of the undamped swing, in Hz; above 0
   float damping;     // ratio; 0 swings for ever, 1 returns fastest without overshoot
-  float reach;       // the farthest that a knot moves, in heights of its part; above 0
-  kelp_bool rooted;  // the first knot of a part is fixed, and the part bends like a beam
+  float reach;       // the farthest that a knot or node moves, in heights of its part; above 0
+  kelp_bool rooted;  // the first knot of a part and its lowest nodes are fixed; the part bends like a beam
 } kelp_spring_options;
 KELP_API kelp_result kelp_spring_options_defaults(kelp_spring_options* options);
 
@@ -29,7 +29,7 @@ KELP_API kelp_result kelp_spring_create(kelp_asset asset, const kelp_spring_opti
 KELP_API kelp_result kelp_spring_destroy(kelp_spring spring);
 
 KELP_API kelp_result kelp_spring_get_parts(kelp_spring spring, int32_t* parts);
-// The movement of a knot relative to its pose.
+// The movement of a knot or a node relative to its pose.
 typedef struct kelp_swing {
   float offset[3];    // heights of the part
   float velocity[3];  // heights per second
@@ -37,6 +37,9 @@ typedef struct kelp_swing {
 // Copies the state of a part's knots, as kelp_pose_get_knots does.
 KELP_API kelp_result kelp_spring_get_swings(kelp_spring spring, int32_t part, kelp_swing* swings,
                                             uint32_t capacity, uint32_t* count);
+// The same of the nodes of the part's finest cage; none without a cage. KELP_ERROR_MISUSE: no such part.
+KELP_API kelp_result kelp_spring_get_node_swings(kelp_spring spring, int32_t part, kelp_swing* swings,
+                                                 uint32_t capacity, uint32_t* count);
 KELP_API kelp_result kelp_spring_reset(kelp_spring spring);  // to rest, without wind
 
 // A blow: adds a velocity (heights of the part per second, in its axes) to the free end, less to the rest.
@@ -49,12 +52,14 @@ KELP_API kelp_result kelp_spring_push_in_world(kelp_spring spring, const kelp_in
 KELP_API kelp_result kelp_spring_set_wind(kelp_spring spring, int32_t part, const float acceleration[3]);
 KELP_API kelp_result kelp_spring_set_wind_in_world(kelp_spring spring, const kelp_instance* instance,
                                                    int32_t part, const float acceleration[3]);
-// The player's body, a sphere in the world: pushes every part out of it. instance->pose: without the spring.
+// The player's body, a sphere in the world: pushes every part out of it, of parts with cages the nodes near
+// it. instance->pose: without the spring.
 KELP_API kelp_result kelp_spring_push_away(kelp_spring spring, const kelp_instance* instance,
                                            const float center[3], float radius);
 // Advances by `seconds`, at least 0. Exact for any step: two half steps equal one whole.
 KELP_API kelp_result kelp_spring_step(kelp_spring spring, float seconds);
-// Adds the offsets to the pose, with tangents to match, then clamps it.
+// Adds the offsets to the pose, with tangents to match, then clamps it. All nodes of a part where some swing
+// are yours from then on, until kelp_pose_reset.
 KELP_API kelp_result kelp_spring_add_to(kelp_spring spring, kelp_pose pose);
 
 #endif

@@ -105,8 +105,8 @@ struct Quality {
   // cages.
   float soft_shadows = 0;
   // How much of the sky a pixel sees, within occlusion_reach. Takes the place of occlusion_rays. A part whose
-  // asset loads no distances, or whose distances are not uploaded yet, hides nothing; nor does one with a
-  // cage.
+  // asset loads no distances, or whose distances are not uploaded yet, hides nothing. A part with a cage
+  // costs about as much as by eight rays.
   bool occlusion = false;
   // 1 .. 16. More than 1: the instances are drawn near to far in so many draws. Before each, the depth drawn
   // so far is copied, and rays end there, so that nothing hidden is traced. The picture is the same. It gains
