@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <random>
 #include <set>
 #include <stdexcept>
 #include <vector>
@@ -28,12 +29,12 @@ using CellName = std::pair<int, int>;  // cube, piece
 struct TrueCage {
   int side = 0, level = 0;
   glm::ivec3 grid{0}, size{0};
-  std::vector<std::uint16_t> labels;                 // of each voxel, or none
+  std::vector<std::uint16_t> cuts;                   // of each voxel, or none
   std::vector<int> piece;                            // of each voxel; -1: empty
   std::map<int, int> pieces;                         // of each cube with solid
   std::set<std::pair<CellName, CellName>> touching;  // both ways
   std::map<CellName, std::set<CellName>> holds;      // finer cells
-  std::set<int> inside;
+  std::set<int> full, inside;
   std::vector<CellName> cells;  // in Morton order
   std::map<CellName, std::uint32_t> numbers;
   std::vector<std::uint32_t> follows;  // one a node
@@ -43,7 +44,12 @@ struct TrueCage {
   glm::ivec3 placeOf(int cube) const {
     return {cube % grid.x, cube / grid.x % grid.y, cube / grid.x / grid.y};
   }
-  bool haveOneLabel(std::size_t a, std::size_t b) const { return labels.empty() || labels[a] == labels[b]; }
+  bool areCut(const glm::ivec3& a, const glm::ivec3& b) const {
+    const glm::ivec3 by = b - a;
+    if (by.z < 0 || (by.z == 0 && (by.y < 0 || (by.y == 0 && by.x < 0)))) return areCut(b, a);
+    const int bit = by.z > 0 ? 8 + by.x + 3 * by.y : by.y > 0 ? 2 + by.x : 0;
+    return !cuts.empty() && (cuts[static_cast<std::size_t>(a.x + size.x * (a.y + size.y * a.z))] >> bit & 1);
+  }
   bool hasCube(const glm::ivec3& at) const {
     return at.x >= 0 && at.y >= 0 && at.z >= 0 && at.x < grid.x && at.y < grid.y && at.z < grid.z;
   }
@@ -81,7 +87,7 @@ void fillPieces(const fields::Occupancy& solid, const TrueCage* finer, TrueCage&
       }
       forEachAround(v, [&](const glm::ivec3& to) {
         if (!isSolid(solid, to) || cage.cubeAt(to / cage.side) != cube) return;
-        if (cage.piece[solid.index(to)] >= 0 || !cage.haveOneLabel(flood[n], solid.index(to))) return;
+        if (cage.piece[solid.index(to)] >= 0 || cage.areCut(v, to)) return;
         cage.piece[solid.index(to)] = 0;
         flood.push_back(solid.index(to));
       });
@@ -102,7 +108,7 @@ void fillPieces(const fields::Occupancy& solid, const TrueCage* finer, TrueCage&
   }
 }
 
-void findTouching(const fields::Occupancy& solid, TrueCage& cage) {
+void findTouching(const fields::Occupancy& solid, const TrueCage* finer, TrueCage& cage) {
   std::map<int, int> voxels;
   for (std::size_t i = 0; i < solid.solid.size(); ++i) {
     if (!solid.solid[i]) continue;
@@ -111,14 +117,17 @@ void findTouching(const fields::Occupancy& solid, TrueCage& cage) {
     ++voxels[cube];
     forEachAround(v, [&](const glm::ivec3& to) {
       if (!isSolid(solid, to) || cage.cubeAt(to / cage.side) == cube) return;
-      if (!cage.haveOneLabel(i, solid.index(to))) return;
+      if (cage.areCut(v, to)) return;
       cage.touching.insert(
           {{cube, cage.piece[i]}, {cage.cubeAt(to / cage.side), cage.piece[solid.index(to)]}});
     });
   }
-  for (const std::pair<const int, int>& full : voxels) {
-    const int cube = full.first;
-    if (full.second != cage.side * cage.side * cage.side || cage.pieces[cube] > 1) continue;
+  for (const auto& [cube, count] : voxels) {
+    bool full = count == cage.side * cage.side * cage.side && cage.pieces[cube] == 1;
+    if (finer)
+      for (const CellName& cell : cage.holds[{cube, 0}]) full = full && finer->full.count(cell.first) != 0;
+    if (!full) continue;
+    cage.full.insert(cube);
     bool wrapped = true;
     forEachAround(cage.placeOf(cube), [&](const glm::ivec3& to) {
       const auto other = cage.hasCube(to) ? cage.pieces.find(cage.cubeAt(to)) : cage.pieces.end();
@@ -220,16 +229,16 @@ void findNodes(const TrueCage* finer, TrueCage& cage) {
   }
 }
 
-TrueCage trueCage(const fields::Occupancy& solid, const std::vector<std::uint16_t>& labels, int cell,
-                  int level, const TrueCage* finer) {
+TrueCage trueCage(const fields::Occupancy& solid, const std::vector<std::uint16_t>& cuts, int cell, int level,
+                  const TrueCage* finer) {
   TrueCage cage;
-  cage.labels = labels;
+  cage.cuts = cuts;
   cage.level = level;
   cage.side = cageSide(cell, cage.level);
   cage.size = solid.size;
   cage.grid = cageGrid(solid.size, cage.side);
   fillPieces(solid, finer, cage);
-  findTouching(solid, cage);
+  findTouching(solid, finer, cage);
   const int cubes = cage.grid.x * cage.grid.y * cage.grid.z;
   std::vector<std::pair<std::uint64_t, int>> order;
   for (int c = 0; c < cubes; ++c) {
@@ -256,9 +265,8 @@ int levelsOf(const glm::ivec3& size) {
 }
 
 struct InMemory {
-  InMemory(const fields::Occupancy& solid, int levels, int cell,
-           const std::vector<std::uint16_t>& labels = {})
-      : raw(fields::buildCages(fields::SolidBits(solid, 1), levels, cell, labels)), memory(raw.size()) {
+  InMemory(const fields::Occupancy& solid, int levels, int cell, const std::vector<std::uint16_t>& cuts = {})
+      : raw(fields::buildCages(fields::SolidBits(solid, 1), levels, cell, cuts)), memory(raw.size()) {
     for (std::size_t i = 0; i < raw.size(); ++i) {
       const Result<Cage> made = makeCage(raw[i].source(), solid.size, levels, cell, static_cast<int>(i),
                                          i > 0 ? &cages[i - 1] : nullptr, 1u << 30, memory[i]);
@@ -273,16 +281,16 @@ struct InMemory {
   std::vector<CageMemory> memory;
 };
 
-void expectTrue(const NamedVolume& volume, const std::vector<std::uint16_t>& labels) {
+void expectTrue(const NamedVolume& volume, const std::vector<std::uint16_t>& cuts) {
   const glm::ivec3& size = volume.occupancy.size;
   for (const int cell : {2, 4, 8, 16}) {
     const int levels = levelsOf(size);
-    const InMemory cages(volume.occupancy, levels, cell, labels);
+    const InMemory cages(volume.occupancy, levels, cell, cuts);
     ASSERT_EQ(static_cast<int>(cages.cages.size()), levels);
     std::vector<TrueCage> truth;
     for (int i = 0; i < levels; ++i) {
       SCOPED_TRACE(volume.name + ", cells of " + std::to_string(cell) + ", cage " + std::to_string(i));
-      truth.push_back(trueCage(volume.occupancy, labels, cell, i, i > 0 ? &truth.back() : nullptr));
+      truth.push_back(trueCage(volume.occupancy, cuts, cell, i, i > 0 ? &truth.back() : nullptr));
       const RawCage &made = cages.raw[static_cast<std::size_t>(i)], &expected = truth.back().raw;
       ASSERT_EQ(made.blocks, expected.blocks);
       ASSERT_EQ(made.masks, expected.masks);
@@ -303,33 +311,49 @@ TEST(Cages, AreThoseOfBruteForce) {
   }
 }
 
-std::vector<std::uint16_t> labelsWhere(const glm::ivec3& size,
+// Neighbors of different labels do not touch.
+std::vector<std::uint16_t> cutsBetween(const glm::ivec3& size,
                                        const std::function<int(const glm::ivec3&)>& label) {
-  std::vector<std::uint16_t> labels(emptyVolume(size).solid.size());
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    labels[i] = static_cast<std::uint16_t>(label(voxelAt(i, size)));
-  return labels;
+  std::vector<std::uint16_t> cuts(emptyVolume(size).solid.size());
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    const glm::ivec3 at = voxelAt(i, size);
+    for (int code = 14; code < 27; ++code) {
+      const glm::ivec3 by(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
+      if (label(at) != label(at + by)) cuts[i] |= fields::cutBit(by);
+    }
+  }
+  return cuts;
 }
 
-// One label in all; slanted slabs; a ball in a rest; boxes that are not cells; stripes thinner than cells.
-TEST(Cages, OfLabelsAreThoseOfBruteForce) {
-  const std::vector<std::function<int(const glm::ivec3&)>> patterns{
-      [](const glm::ivec3&) { return 7; },
-      [](const glm::ivec3& v) { return (v.x + 2 * v.y + 3 * v.z) / 37 % 3; },
-      [](const glm::ivec3& v) { return glm::dot(glm::vec3(v - 11), glm::vec3(v - 11)) < 60 ? 60000 : 2; },
-      [](const glm::ivec3& v) { return v.x / 8 + v.y / 12 + v.z / 16; },
-      [](const glm::ivec3& v) { return v.y % 3; }};
+// No cut at all; slanted slabs; a ball in a rest; stripes thinner than cells; a plane cut half way; noise.
+TEST(Cages, WithCutsAreThoseOfBruteForce) {
+  const auto cutsOf = [](const glm::ivec3& size, std::size_t pattern) {
+    if (pattern == 5) {
+      std::vector<std::uint16_t> cuts(emptyVolume(size).solid.size());
+      std::mt19937 random(9);
+      for (std::uint16_t& cut : cuts)
+        for (int bit = 0; bit < 13; ++bit)
+          if (random() % 8 == 0) cut |= static_cast<std::uint16_t>(1 << bit);
+      return cuts;
+    }
+    return cutsBetween(size, [&](const glm::ivec3& v) {
+      return pattern == 1   ? (v.x + 2 * v.y + 3 * v.z + 100) / 37 % 3
+             : pattern == 2 ? static_cast<int>(glm::dot(glm::vec3(v - 11), glm::vec3(v - 11)) < 60)
+             : pattern == 3 ? (v.y + 3) % 3
+             : pattern == 4 ? static_cast<int>(v.x > 9 && v.y < 10)
+                            : 7;
+    });
+  };
   const std::vector<NamedVolume> volumes = cageVolumes();
   for (std::size_t i = 0; i < volumes.size(); ++i) {
-    const std::size_t pattern = i % patterns.size();
-    SCOPED_TRACE("labels " + std::to_string(pattern));
-    expectTrue(volumes[i], labelsWhere(volumes[i].occupancy.size, patterns[pattern]));
+    SCOPED_TRACE("cuts " + std::to_string(i % 5));
+    expectTrue(volumes[i], cutsOf(volumes[i].occupancy.size, i % 5));
     if (HasFatalFailure()) return;
   }
-  const glm::ivec3 size(25, 24, 17);
-  for (const auto& pattern : patterns) {
-    expectTrue({"full", volumeWhere(size, [](const glm::ivec3&) { return true; })},
-               labelsWhere(size, pattern));
+  const glm::ivec3 size(19, 18, 17);
+  for (std::size_t pattern = 0; pattern < 6; ++pattern) {
+    SCOPED_TRACE("cuts " + std::to_string(pattern));
+    expectTrue({"full", volumeWhere(size, [](const glm::ivec3&) { return true; })}, cutsOf(size, pattern));
     if (HasFatalFailure()) return;
   }
 }

@@ -106,6 +106,50 @@ TEST(CageOfSkin, ComponentsThatTouchAreCutWhereTheirWeightsDiffer) {
   }
 }
 
+// A bar that is bent like a hairpin: its two halves touch, and only the mesh at its end joins them.
+TEST(CageOfSkin, SurfacesThatTouchAreCutWhereTheMeshDoesNotJoinThem) {
+  SkinnedShape shape;
+  shape.addJoint(-1, {0, 0, 0});
+  shape.addJoint(-1, {2, 0, 0});
+  std::vector<std::array<std::uint32_t, 4>> rings;
+  const auto addRing = [&](const glm::dvec2& inner, const glm::dvec2& outer, float upper) {
+    std::vector<SourceSkin::Influence> influences;
+    if (upper < 1) influences.push_back({0, 1 - upper});
+    if (upper > 0) influences.push_back({1, upper});
+    std::array<std::uint32_t, 4>& ring = rings.emplace_back();
+    ring[0] = shape.addVertex({outer, -0.5}, influences);
+    ring[1] = shape.addVertex({inner, -0.5}, influences);
+    ring[2] = shape.addVertex({inner, 0.5}, influences);
+    ring[3] = shape.addVertex({outer, 0.5}, influences);
+  };
+  for (int y = 0; y <= 7; ++y) addRing({1, y}, {0, y}, 0);
+  addRing({1.004, 7.2}, {0, 8}, 0.4f);
+  addRing({1.006, 7.2}, {2.01, 8}, 0.6f);
+  for (int y = 7; y >= 0; --y) addRing({1.01, y}, {2.01, y}, 1);
+  const auto addFace = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    shape.addTriangle(a, b, c);
+    shape.addTriangle(a, c, d);
+  };
+  for (std::size_t r = 0; r + 1 < rings.size(); ++r)
+    for (std::size_t k = 0; k < 4; ++k)
+      addFace(rings[r][k], rings[r + 1][k], rings[r + 1][(k + 1) % 4], rings[r][(k + 1) % 4]);
+  addFace(rings.front()[0], rings.front()[1], rings.front()[2], rings.front()[3]);
+  addFace(rings.back()[3], rings.back()[2], rings.back()[1], rings.back()[0]);
+  shape.finish(64);
+  const SkinCage made = shape.cage(4);
+  const Finest finest(made, shape.whole.size);
+  int sides[2] = {0, 0};
+  for (std::uint32_t n = 0; n < finest.cage.nodes(); ++n) {
+    const glm::ivec3 at = finest.cage.rest(n);
+    if (at.y > 44) continue;  // the mesh joins them less than four voxels above 56
+    const double upper = weightOf(made.influences[n], 1);
+    ASSERT_LT(std::min(upper, 1 - upper), 0.02) << at.x << " " << at.y;
+    if (at.x == 8) ++sides[upper > 0.5];
+  }
+  EXPECT_GT(sides[0], 10);
+  EXPECT_GT(sides[1], 10);
+}
+
 TEST(CageOfSkin, CellsAreAsLargeAsTheFitAllows) {
   SkinnedShape still = test::bendingTube(3, 0);
   EXPECT_EQ(still.cage(0).cell, 16);
@@ -224,7 +268,7 @@ TEST(SkinWeights, AreThoseOfDenseEquations) {
   fields::Occupancy block{{12, 16, 12}, {}};
   block.solid.assign(denseCount(block.size), 1);
   const fields::SolidBits bits(block, 1);
-  const VoxelLabels none;
+  const std::vector<std::uint16_t> none;
   const CagePlaces places(bits, none, 4);
   const Cage& cage = places.cage();
   SkinSamples samples;
@@ -243,9 +287,7 @@ TEST(SkinWeights, AreThoseOfDenseEquations) {
     for (std::size_t j = 0; j < kJoints; ++j) sum += weights[j] = std::exp(-std::abs(at.y - 3.0 * j)) + 0.01;
     for (std::uint32_t j = 0; j < kJoints; ++j) samples.weighted.push_back({j, weights[j] / sum});
     samples.first_weighted.push_back(samples.weighted.size());
-    const std::optional<glm::ivec3> voxel = nearestVoxel(bits, none, at, 0);
-    ASSERT_TRUE(voxel);
-    of.push_back(places.find(at, *voxel));
+    of.push_back(places.find(at, glm::ivec3(at)));
     ASSERT_TRUE(of.back());
     glm::dvec3 back(0);  // the place is where the sample is
     for (int i = 0; i < 4; ++i) back += of.back()->weights[i] * glm::dvec3(cage.rest(of.back()->nodes[i]));

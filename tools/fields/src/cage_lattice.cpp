@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "kelp/common/dense_index.h"
+#include "kelp/fields/cages.h"
 #include "kelp/formats/cage.h"
 
 namespace kelp::fields {
@@ -47,10 +48,10 @@ void findInside(CageLattice& lattice) {
 
 class Finest {
  public:
-  Finest(const SolidBits& solid, int side, std::span<const std::uint16_t> labels)
-      : solid_(solid), side_(side), labels_(labels), lattice_(emptyLattice(solid.size(), side)) {
-    lattice_.labeled = !labels.empty();
-    if (lattice_.labeled) label_of_.resize(lattice_.pieces.size());
+  Finest(const SolidBits& solid, int side, std::span<const std::uint16_t> cuts)
+      : solid_(solid), side_(side), cuts_(cuts), lattice_(emptyLattice(solid.size(), side)) {
+    lattice_.cut = !cuts.empty();
+    if (lattice_.cut) is_cut_.resize(lattice_.pieces.size());
   }
 
   CageLattice make() {
@@ -63,14 +64,18 @@ class Finest {
   }
 
  private:
-  struct Run {  // of solid voxels of one label in a row of a cube
+  struct Run {  // of solid voxels in a row of a cube
     int begin, end;
-    std::uint16_t label = 0;
   };
 
-  // Of the voxel x of a row of a cube. Only if voxels have labels.
-  std::uint16_t labelAt(const glm::ivec3& cube, int row, int x) const {
-    return labels_[denseIndex(solid_.size(), side_ * cube + glm::ivec3(x, row % side_, row / side_))];
+  // True if the voxels x and other_x of rows of cubes, which are neighbors, are cut apart.
+  bool areCut(const glm::ivec3& cube, int row, int x, const glm::ivec3& other, int other_row,
+              int other_x) const {
+    const glm::ivec3 from = side_ * cube + glm::ivec3(x, row % side_, row / side_),
+                     to = side_ * other + glm::ivec3(other_x, other_row % side_, other_row / side_);
+    const bool forward = CageLattice::codeOf(to - from) >= CageLattice::kFirstForward;
+    return (cuts_[denseIndex(solid_.size(), forward ? from : to)] &
+            cutBit(forward ? to - from : from - to)) != 0;
   }
 
   // A row of a cube, a bit a voxel.
@@ -95,14 +100,14 @@ class Finest {
     }
     if (any == 0) return;
     lattice_.pieces[cube] = 1;
-    if (lattice_.labeled ? hasOneLabel(at) : full == all || side_ == 2) {
-      if (full == all) lattice_.touches[cube] = CageLattice::kFull;
-      if (full == all || side_ == 2) return;
-    }
-    findRuns(at);
-    joinRuns();
+    if (full == all) lattice_.touches[cube] = CageLattice::kFull;
+    const bool cut = lattice_.cut && findCuts(at);
+    if (!cut && (full == all || side_ == 2)) return;
+    findRuns(cut);
+    joinRuns(at, cut);
     const int pieces = classes_.number(kMostPieces, number_);
     if (pieces == 1) return;
+    lattice_.touches[cube] = 0;
     lattice_.pieces[cube] = static_cast<std::uint8_t>(pieces);
     lattice_.divided.push_back({cube, lattice_.labels.size()});
     const std::size_t labels = lattice_.labels.size();
@@ -114,37 +119,27 @@ class Finest {
               number_[i];
   }
 
-  // True if all voxels of the cube, of which `rows_` has the rows, have its first one's label.
-  bool hasOneLabel(const glm::ivec3& at) {
-    bool first = true;
-    std::uint16_t& label = label_of_[lattice_.index(at)];
+  // True if a voxel of the cube, of which `rows_` has the rows, is cut from a neighbor.
+  bool findCuts(const glm::ivec3& at) {
     for (std::size_t r = 0; r < rows_.size(); ++r) {
-      for (std::uint32_t bits = rows_[r]; bits != 0; bits &= bits - 1) {
-        const std::uint16_t its = labelAt(at, static_cast<int>(r), std::countr_zero(bits));
-        if (first) label = its;
-        if (label != its) return false;
-        first = false;
-      }
+      const int row = static_cast<int>(r);
+      for (std::uint32_t bits = rows_[r]; bits != 0; bits &= bits - 1)
+        if (cuts_[denseIndex(solid_.size(),
+                             side_ * at + glm::ivec3(std::countr_zero(bits), row % side_, row / side_))] != 0)
+          return is_cut_[lattice_.index(at)] = true;
     }
-    return true;
+    return false;
   }
 
-  // Of `rows_`.
-  void findRuns(const glm::ivec3& at) {
+  // Of `rows_`. single: each voxel is one.
+  void findRuns(bool single) {
     runs_.clear();
     first_.assign(1, 0);
-    for (std::size_t r = 0; r < rows_.size(); ++r) {
-      for (std::uint32_t bits = rows_[r]; bits != 0;) {
+    for (std::uint32_t bits : rows_) {
+      while (bits != 0) {
         const int begin = std::countr_zero(bits);
-        int end = begin + std::countr_one(bits >> begin);
-        std::uint16_t label = 0;
-        if (lattice_.labeled) {
-          label = labelAt(at, static_cast<int>(r), begin);
-          int same = begin + 1;
-          while (same < end && labelAt(at, static_cast<int>(r), same) == label) ++same;
-          end = same;
-        }
-        runs_.push_back({begin, end, label});
+        const int end = single ? begin + 1 : begin + std::countr_one(bits >> begin);
+        runs_.push_back({begin, end});
         bits &= ~((1u << end) - 1);
       }
       first_.push_back(runs_.size());
@@ -152,24 +147,35 @@ class Finest {
   }
 
   // Runs in the order of their first voxels, joined where they touch.
-  void joinRuns() {
+  // single: runs are voxels, which may be cut apart.
+  void joinRuns(const glm::ivec3& cube, bool single) {
     classes_.reset(runs_.size());
     const auto join = [&](int row, int other) {
       const auto a = static_cast<std::size_t>(row), b = static_cast<std::size_t>(other);
       for (std::size_t i = first_[a]; i < first_[a + 1]; ++i)
         for (std::size_t j = first_[b]; j < first_[b + 1]; ++j)
           if (runs_[i].begin <= runs_[j].end && runs_[j].begin <= runs_[i].end &&
-              runs_[i].label == runs_[j].label)
+              !(single && areCut(cube, row, runs_[i].begin, cube, other, runs_[j].begin)))
             classes_.join(i, j);
     };
     for (int z = 0; z < side_; ++z) {
       for (int y = 0; y < side_; ++y) {
         const int row = y + side_ * z;
+        if (single) joinRow(cube, row);
         if (y > 0) join(row, row - 1);
         for (int other = std::max(y - 1, 0); z > 0 && other <= std::min(y + 1, side_ - 1); ++other)
           join(row, other + side_ * (z - 1));
       }
     }
+  }
+
+  // The voxels of a row, each a run.
+  void joinRow(const glm::ivec3& cube, int row) {
+    const auto at = static_cast<std::size_t>(row);
+    for (std::size_t i = first_[at]; i + 1 < first_[at + 1]; ++i)
+      if (runs_[i].end == runs_[i + 1].begin &&
+          !areCut(cube, row, runs_[i].begin, cube, row, runs_[i + 1].begin))
+        classes_.join(i, i + 1);
   }
 
   // Calls visit(row, its voxels, other row, its voxels) for the rows of two cubes between which voxels may
@@ -201,14 +207,15 @@ class Finest {
       const std::uint32_t other = lattice_.index(at + to);
       if (lattice_.pieces[other] == 0) continue;
       const bool one = lattice_.pieces[cube] == 1 && lattice_.pieces[other] == 1;
-      if (one && lattice_.labeled && label_of_[cube] != label_of_[other]) continue;
-      bool touch = one && (lattice_.touches[cube] & lattice_.touches[other] & CageLattice::kFull) != 0;
-      if (!touch && one) {
+      const bool cut = lattice_.cut && (is_cut_[cube] || is_cut_[other]);
+      bool touch =
+          one && !cut && (lattice_.touches[cube] & lattice_.touches[other] & CageLattice::kFull) != 0;
+      if (!touch && one && !cut) {
         forEachRows(at, to, [&](int, std::uint32_t here, int, std::uint32_t there) {
           return touch = (reached(here, to.x) & there) != 0;
         });
-      } else if (!one) {
-        touch = findLinks(at, to, i);
+      } else if (!touch) {
+        touch = findLinks(at, to, i, cut);
       }
       if (touch) lattice_.touches[cube] |= static_cast<std::uint16_t>(1 << i);
     }
@@ -220,7 +227,7 @@ class Finest {
     return to == 0 ? wide : to > 0 ? row >> (side_ - 1) : row << (side_ - 1);
   }
 
-  bool findLinks(const glm::ivec3& at, const glm::ivec3& to, int direction) {
+  bool findLinks(const glm::ivec3& at, const glm::ivec3& to, int direction, bool cut) {
     const std::uint32_t cube = lattice_.index(at), other = lattice_.index(at + to);
     const std::uint8_t* const labels = labelsOf(cube);
     const std::uint8_t* const others = labelsOf(other);
@@ -230,7 +237,7 @@ class Finest {
         const int x = std::countr_zero(here);
         for (std::uint32_t hit = reached(1u << x, to.x) & there; hit != 0; hit &= hit - 1) {
           const int its = std::countr_zero(hit);
-          if (lattice_.labeled && labelAt(at, row, x) != labelAt(at + to, other_row, its)) continue;
+          if (cut && areCut(at, row, x, at + to, other_row, its)) continue;
           const std::uint64_t a = labels ? labels[row * side_ + x] : 0,
                               b = others ? others[other_row * side_ + its] : 0;
           pairs_.push_back((std::uint64_t{cube} << 4 | static_cast<std::uint64_t>(direction)) << 16 | a << 8 |
@@ -240,7 +247,8 @@ class Finest {
       return false;
     });
     sortUnique(pairs_);
-    lattice_.links.insert(lattice_.links.end(), pairs_.begin(), pairs_.end());
+    if (lattice_.pieces[cube] > 1 || lattice_.pieces[other] > 1)
+      lattice_.links.insert(lattice_.links.end(), pairs_.begin(), pairs_.end());
     return !pairs_.empty();
   }
 
@@ -250,9 +258,9 @@ class Finest {
 
   const SolidBits& solid_;
   int side_;
-  std::span<const std::uint16_t> labels_;
+  std::span<const std::uint16_t> cuts_;
   CageLattice lattice_;
-  std::vector<std::uint16_t> label_of_;  // of each cube that has one label
+  std::vector<bool> is_cut_;  // of each cube: some of its voxels are cut from neighbors
   std::vector<std::uint32_t> rows_;
   std::vector<Run> runs_;
   std::vector<std::size_t> first_;  // run of each row
@@ -266,7 +274,7 @@ class Coarser {
   Coarser(const CageLattice& finer, const glm::ivec3& size, int side)
       : finer_(finer), lattice_(emptyLattice(size, side)) {
     lattice_.ratio = side / finer.side;
-    lattice_.labeled = finer.labeled;
+    lattice_.cut = finer.cut;
   }
 
   CageLattice make() {
@@ -294,7 +302,7 @@ class Coarser {
     lattice_.pieces[cube] = 1;
     const bool is_full = full == lattice_.ratio * lattice_.ratio * lattice_.ratio;
     if (is_full) lattice_.touches[cube] = CageLattice::kFull;
-    if (is_full && !lattice_.labeled) return;
+    if (is_full && !lattice_.cut) return;
     classes_.reset(cells);
     const glm::ivec3 low = lattice_.ratio * at, some = glm::min(finer_.grid - low, lattice_.ratio);
     std::size_t here = 0;
@@ -359,8 +367,8 @@ class Coarser {
 
 }  // namespace
 
-CageLattice finestLattice(const SolidBits& solid, int side, std::span<const std::uint16_t> labels) {
-  return Finest(solid, side, labels).make();
+CageLattice finestLattice(const SolidBits& solid, int side, std::span<const std::uint16_t> cuts) {
+  return Finest(solid, side, cuts).make();
 }
 
 CageLattice coarserLattice(const CageLattice& finer, const glm::ivec3& size, int side) {

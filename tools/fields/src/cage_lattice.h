@@ -26,9 +26,9 @@ struct CageLattice {
     std::size_t mask = 0;    // where its masks begin in RawCage::masks
   };
 
-  int side = 0;          // of a cube, level-0 voxels
-  int ratio = 0;         // finer cubes along one; 0: there is no finer lattice
-  bool labeled = false;  // neighbors of different labels do not touch
+  int side = 0;      // of a cube, level-0 voxels
+  int ratio = 0;     // finer cubes along one; 0: there is no finer lattice
+  bool cut = false;  // some neighbors do not touch
   glm::ivec3 grid{0};
   std::vector<std::uint8_t> pieces;    // of each cube
   std::vector<std::uint16_t> touches;  // of each cube: bit i: a voxel touches one of the cube in direction i
@@ -117,8 +117,8 @@ class Classes {
   std::vector<std::uint32_t> root_;
 };
 
-// labels: as buildCages has them.
-CageLattice finestLattice(const SolidBits& solid, int side, std::span<const std::uint16_t> labels);
+// cuts: as buildCages has them.
+CageLattice finestLattice(const SolidBits& solid, int side, std::span<const std::uint16_t> cuts);
 CageLattice coarserLattice(const CageLattice& finer, const glm::ivec3& size, int side);
 
 }  // namespace kelp::fields

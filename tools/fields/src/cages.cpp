@@ -21,8 +21,8 @@ constexpr int kMostNodes = 256;  // of a point: a number of one is a byte
 // Makes one cage, once the next finer one is made.
 class CageBuilder {
  public:
-  CageBuilder(const SolidBits& solid, int side, std::span<const std::uint16_t> labels)
-      : lattice_(finestLattice(solid, side, labels)), finest_(solid), finer_(nullptr), level_(0) {}
+  CageBuilder(const SolidBits& solid, int side, std::span<const std::uint16_t> cuts)
+      : lattice_(finestLattice(solid, side, cuts)), finest_(solid), finer_(nullptr), level_(0) {}
   // That of the next coarser level.
   CageBuilder(const CageBuilder& finer, int side, int level)
       : lattice_(coarserLattice(finer.lattice_, finer.finest_.size(), side)),
@@ -293,17 +293,17 @@ class CageBuilder {
 }  // namespace
 
 std::vector<RawCage> buildCages(const SolidBits& solid, int levels, int cell,
-                                std::span<const std::uint16_t> labels) {
+                                std::span<const std::uint16_t> cuts) {
   const glm::ivec3 size = solid.size();
-  if (!labels.empty() && labels.size() != denseCount(size))
-    throw std::invalid_argument("a cage needs a label for each voxel, or none");
+  if (!cuts.empty() && cuts.size() != denseCount(size))
+    throw std::invalid_argument("a cage needs the cuts of each voxel, or none");
   if (solid.count(1) == 0) throw std::invalid_argument("a cage needs at least one solid voxel");
   if (cell < kSmallestCell || cell > kLargestCell || (cell & (cell - 1)) != 0)
     throw std::invalid_argument("cells of cages are 2, 4, 8 or 16 voxels");
   if (std::max({size.x, size.y, size.z}) > kMostCageCells * cell)
     throw std::invalid_argument("a cage has at most 256 cells along an axis");
   std::vector<RawCage> cages;
-  auto built = std::make_unique<CageBuilder>(solid, cell, labels);
+  auto built = std::make_unique<CageBuilder>(solid, cell, cuts);
   built->make();
   for (int level = 1; level < levels; ++level) {
     auto next = std::make_unique<CageBuilder>(*built, cageSide(cell, level), level);

@@ -12,39 +12,8 @@
 
 namespace kelp::bake {
 
-std::optional<glm::ivec3> nearestVoxel(const fields::SolidBits& solid, const VoxelLabels& labels,
-                                       const glm::dvec3& point, std::uint16_t label) {
-  constexpr int kFarthest = 6;
-  const glm::ivec3 middle(
-      glm::clamp(glm::floor(point), glm::dvec3(-kFarthest), glm::dvec3(solid.size() + kFarthest)));
-  std::optional<glm::ivec3> best;
-  double nearest = 0;
-  for (int reach = 0; reach <= kFarthest; ++reach) {
-    // All of a farther shell is at least so far away.
-    if (best && (reach - 0.5) * (reach - 0.5) > nearest) break;
-    const glm::ivec3 low = glm::max(middle - reach, 0), high = glm::min(middle + reach, solid.size() - 1);
-    for (int z = low.z; z <= high.z; ++z) {
-      for (int y = low.y; y <= high.y; ++y) {
-        const bool whole = std::abs(z - middle.z) == reach || std::abs(y - middle.y) == reach;
-        for (int x = low.x; x <= high.x; ++x) {
-          if (!whole && std::abs(x - middle.x) != reach) continue;
-          const glm::ivec3 at(x, y, z);
-          if (!solid.isSolid(at)) continue;
-          if (!labels.empty() && labels[denseIndex(solid.size(), at)] != label) continue;
-          const glm::dvec3 apart = glm::dvec3(at) + 0.5 - point;
-          const double distance = glm::dot(apart, apart);
-          if (best && distance >= nearest) continue;
-          best = at;
-          nearest = distance;
-        }
-      }
-    }
-  }
-  return best;
-}
-
-CagePlaces::CagePlaces(const fields::SolidBits& solid, const VoxelLabels& labels, int cell) {
-  raw_ = std::move(fields::buildCages(solid, 1, cell, labels).front());
+CagePlaces::CagePlaces(const fields::SolidBits& solid, const std::vector<std::uint16_t>& cuts, int cell) {
+  raw_ = std::move(fields::buildCages(solid, 1, cell, cuts).front());
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;
   Result<Cage> made = makeCage(raw_.source(), solid.size(), 1, cell, 0, nullptr, kMostBytes, memory_);
   if (!made && made.error().code == ErrorCode::kOutOfMemory) throw std::bad_alloc();

@@ -15,17 +15,10 @@
 
 namespace kelp::bake {
 
-// Labels of voxels, dense, x fastest; empty: all have one.
-using VoxelLabels = std::vector<std::uint16_t>;
-
-// The solid voxel with that label that is nearest to a point; none: it is farther than a few voxels.
-std::optional<glm::ivec3> nearestVoxel(const fields::SolidBits& solid, const VoxelLabels& labels,
-                                       const glm::dvec3& point, std::uint16_t label);
-
 class CagePlaces {
  public:
-  // `cell`: side of the cells.
-  CagePlaces(const fields::SolidBits& solid, const VoxelLabels& labels, int cell);
+  // cuts: as fields::buildCages() has them. cell: side of the cells.
+  CagePlaces(const fields::SolidBits& solid, const std::vector<std::uint16_t>& cuts, int cell);
 
   // Nodes of a tetrahedron; the weights sum to 1, and take these nodes to the point.
   struct Place {

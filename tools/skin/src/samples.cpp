@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "kelp/common/dense_index.h"
 
@@ -63,9 +62,8 @@ std::uint32_t SkinSamples::heaviestJoint(std::size_t i) const {
       ->joint;
 }
 
-SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame,
-                       const std::vector<std::uint32_t>& components, double edge, const glm::dvec2& inside,
-                       std::size_t most) {
+SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame, double edge,
+                       const glm::dvec2& inside, std::size_t most) {
   double area = 0;
   for (std::size_t t = 0; t < soup.triangles.size(); ++t) area += SampledTriangle(soup, t, frame).area;
   // Small triangles that are about equilateral have less than half of edge^2.
@@ -79,6 +77,7 @@ SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const F
   const double least = count > most ? area / static_cast<double>(most) : 0;
   SkinSamples samples;
   samples.first_weighted.push_back(0);
+  samples.spacing = edge;
   double waiting = 0;
   std::vector<Weighted> list;
   for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
@@ -100,7 +99,7 @@ SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const F
                   [](const Weighted& a, const Weighted& b) { return a.joint < b.joint; });
         samples.positions.push_back(at);
         samples.areas.push_back(std::max(waiting, std::numeric_limits<double>::min()));
-        samples.components.push_back(components[t]);
+        samples.triangles.push_back(static_cast<std::uint32_t>(t));
         samples.weighted.insert(samples.weighted.end(), list.begin(), list.end());
         samples.first_weighted.push_back(samples.weighted.size());
         waiting = 0;
@@ -140,26 +139,6 @@ std::uint32_t SampleFinder::nearest(const glm::dvec3& point) const {
       }
   }
   return best;
-}
-
-std::vector<std::uint32_t> componentsOf(const TriangleSoup& soup) {
-  std::vector<std::uint32_t> above(soup.positions.size());
-  std::iota(above.begin(), above.end(), 0u);
-  const auto find = [&](std::uint32_t i) {
-    while (above[i] != i) i = above[i] = above[above[i]];
-    return i;
-  };
-  for (const TriangleSoup::Triangle& t : soup.triangles)
-    for (std::size_t c = 1; c < 3; ++c) above[find(t.vertex[c])] = find(t.vertex[0]);
-  constexpr std::uint32_t kNone = 0xffffffffu;
-  std::vector<std::uint32_t> number(above.size(), kNone), of;
-  std::uint32_t count = 0;
-  for (const TriangleSoup::Triangle& t : soup.triangles) {
-    std::uint32_t& its = number[find(t.vertex[0])];
-    if (its == kNone) its = count++;
-    of.push_back(its);
-  }
-  return of;
 }
 
 }  // namespace kelp::bake

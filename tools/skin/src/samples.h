@@ -24,9 +24,10 @@ struct SkinSamples {
   };
   std::vector<glm::dvec3> positions;        // in the bind pose
   std::vector<double> areas;                // above 0
-  std::vector<std::uint32_t> components;    // of the mesh: see componentsOf
+  std::vector<std::uint32_t> triangles;     // of the soup
   std::vector<std::size_t> first_weighted;  // of each sample, and the end
   std::vector<Weighted> weighted;           // of a sample: each joint once, ascending
+  double spacing = 0;                       // voxels between neighbors, at most
 
   std::size_t size() const { return positions.size(); }
   std::span<const Weighted> weights(std::size_t i) const {
@@ -37,9 +38,8 @@ struct SkinSamples {
 
 // Each triangle is cut into small ones with edges of at most `edge` voxels, or more so that there are no more
 // than about `most` samples. One sample lies in each, where `inside` says: its coordinates along two edges.
-SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame,
-                       const std::vector<std::uint32_t>& components, double edge, const glm::dvec2& inside,
-                       std::size_t most);
+SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame, double edge,
+                       const glm::dvec2& inside, std::size_t most);
 
 // Finds samples by the voxels that they are in.
 class SampleFinder {
@@ -54,9 +54,5 @@ class SampleFinder {
   glm::ivec3 size_;
   std::vector<std::pair<std::size_t, std::uint32_t>> of_voxels_;
 };
-
-// Which connected component of the mesh each triangle is of; those that share a vertex are of one. Numbered
-// in the order of their first triangles.
-std::vector<std::uint32_t> componentsOf(const TriangleSoup& soup);
 
 }  // namespace kelp::bake

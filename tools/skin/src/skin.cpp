@@ -6,12 +6,14 @@
 #include <utility>
 #include <vector>
 
+#include "cuts.h"
 #include "fit.h"
 #include "joints.h"
 #include "kelp/common/error.h"
 #include "kelp/common/parallel.h"
 #include "kelp/fields/cages.h"
-#include "labels.h"
+#include "kelp/fields/fields.h"
+
 #include "skin_sockets.h"
 
 namespace kelp::bake {
@@ -28,14 +30,6 @@ struct PlacedSamples {
   SkinSamples samples;
   std::vector<std::optional<glm::ivec3>> voxels;
 
-  void findVoxels(const fields::SolidBits& solid, const ComponentLabels& labels, int threads) {
-    voxels.resize(samples.size());
-    parallelRanges(samples.size(), 1024, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        voxels[i] = nearestVoxel(solid, labels.voxels, samples.positions[i],
-                                 labels.of_components[samples.components[i]]);
-    });
-  }
   SamplePlaces in(const CagePlaces& cage) const {
     SamplePlaces places(samples.size());
     for (std::size_t i = 0; i < samples.size(); ++i)
@@ -49,7 +43,7 @@ struct SkinBody {
   const SourceSkin& skin;
   const Frame& frame;
   fields::SolidBits solid;
-  ComponentLabels labels;
+  std::vector<std::uint16_t> cuts;
   PlacedSamples known, judged;  // the solver's, and others
   int threads;
 };
@@ -61,7 +55,7 @@ struct TriedCage {
   SamplePlaces judged;
 
   TriedCage(const SkinBody& body, int cell)
-      : places(body.solid, body.labels.voxels, cell),
+      : places(body.solid, body.cuts, cell),
         influences(weightsOfNodes(body.known.samples, body.known.in(places), places.cage(),
                                   body.skin.joints.size(), body.threads)),
         judged(body.judged.in(places)) {}
@@ -112,7 +106,7 @@ std::vector<SkinNode> nodesOf(const SkinBody& body, const TriedCage& cage) {
 }  // namespace
 
 double skinBytes(double voxels, std::size_t joints) {
-  // Labels and the nearest surface voxel; samples, the equations, motions of joints.
+  // Cuts and the nearest samples; samples, the equations, motions of joints.
   constexpr double kOfVoxel = 8, kOfSamples = 60e6, kOfJoint = 20e3;
   return voxels * kOfVoxel + kOfSamples + static_cast<double>(joints) * kOfJoint;
 }
@@ -124,9 +118,8 @@ SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fram
   };
   report(0);
   constexpr std::size_t kMostSamples = 300000, kMostJudged = 20000;
-  const std::vector<std::uint32_t> components = componentsOf(soup);
   const auto sample = [&](const glm::dvec2& inside, std::size_t most) {
-    return PlacedSamples{sampleSkin(soup, skin, frame, components, kEdge, inside, most), {}};
+    return PlacedSamples{sampleSkin(soup, skin, frame, kEdge, inside, most), {}};
   };
   SkinBody body{skin,
                 frame,
@@ -135,10 +128,12 @@ SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fram
                 sample(glm::dvec2(1.0 / 3), kMostSamples),
                 sample({0.15, 0.7}, kMostJudged),
                 threads};
-  body.labels = labelComponents(body.known.samples,
-                                *std::max_element(components.begin(), components.end()) + 1, whole, threads);
-  for (PlacedSamples* samples : {&body.known, &body.judged})
-    samples->findVoxels(body.solid, body.labels, threads);
+  {
+    SkinCuts cuts(soup, frame, body.known.samples, body.solid);
+    for (PlacedSamples* of : {&body.known, &body.judged})
+      for (std::size_t i = 0; i < of->samples.size(); ++i) of->voxels.push_back(cuts.voxelOf(of->samples, i));
+    body.cuts = cuts.voxels();
+  }
   report(0.2);
   const int longest = std::max({whole.size.x, whole.size.y, whole.size.z});
   const std::vector<std::vector<JointMotions>> moments = judgedMoments(body);
@@ -164,7 +159,7 @@ SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fram
   addJointSockets(skin, frame, out.joints, out.notices);
   report(0.9);
   out.influences = std::move(cage->influences);
-  out.cages = fields::buildCages(body.solid, levels, side, body.labels.voxels);
+  out.cages = fields::buildCages(body.solid, levels, side, body.cuts);
   report(1);
   return out;
 }
