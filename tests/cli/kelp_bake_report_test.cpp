@@ -218,7 +218,10 @@ TEST_F(KelpBakeReport, HowWellASkinFits) {
     EXPECT_LT(clip["fit"]["p95"], 2);
     EXPECT_EQ(clip["fit"]["joint"].get<std::string>().rfind("node ", 0), 0u);
   }
-  EXPECT_NE(said_.find("skin: the parts are 0."), std::string::npos) << said_;
+  EXPECT_NE(said_.find("skin: the cage is 0."), std::string::npos) << said_;
+  const json cell = read["parts"][0]["cell"];
+  EXPECT_TRUE(cell == 2 || cell == 4 || cell == 8 || cell == 16);
+  EXPECT_TRUE(read["parts"][1]["cell"].is_null());
 }
 
 // A block of 5 x 4 x 3 densities within 20 x 16 x 12, as fog and as a solid.
