@@ -133,11 +133,9 @@ TEST_P(PinnedColors, AreWhereTheyBelongInTheWorld) {
   const float voxel = glm::length(asset->pack().parts()[0].to_object[0]);
 
   const Box box = runtime::bounds(instance);
-  // A swept part lies aslant, and goes on beyond its voxels: its bounds are those of its corners.
-  const auto parts = asset->pack().parts();
-  const bool swept =
-      std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.bend == Bend::kSweep; });
-  const float spare = swept ? 12 * voxel : 1.1f * voxel;
+  // The nodes of a cage lie up to a cell beyond its voxels.
+  const Part& body = asset->pack().parts()[0];
+  const float spare = (body.cages.empty() ? 1.1f : static_cast<float>(body.cages[0].side)) * voxel;
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_LE(box.min[axis], file.low[axis] + 1.1f * voxel) << "axis " << axis;
     EXPECT_GE(box.min[axis], file.low[axis] - spare) << "axis " << axis;
