@@ -81,46 +81,21 @@ TEST_F(KelpDumpCost, ASkinsRigComesFromInfo) {
     more.insert(more.begin(), {"rig", write("pack.kelp", raw)});
     return test::dump(more);
   };
-  const std::string good =
-      R"({"parts":[{"joints":["hip"],"fit":{"mean":0.1}},{"joints":["tail","tip"],"knots":4},{"joints":["hip"]}]})";
-  const ProcessResult result = printed(good);
-  EXPECT_EQ(result.exit, 0) << result.err;
-  using Group = RigDescription::SkinGroup;
-  EXPECT_EQ(parseRig(result.out).skin,
-            (std::vector<Group>{Group{{"hip"}, 0, 2}, Group{{"tail", "tip"}, 4, 1}}));
-  EXPECT_EQ(parseRig(printed(good, {"--part", "1"}).out).clips.size(), 1u);
-  EXPECT_EQ(parseRig(printed(good, {"--axis", "+x"}).out).clips.size(), 1u);
-  // With the rigs that a rig file gave parts.
-  std::string given = good;
-  given.replace(given.find("4}"), 2, R"(4,"rig":true})");
-  const RigFile both = parseRigFile(printed(given).out);
-  EXPECT_EQ(both.whole.skin, parseRig(result.out).skin);
-  ASSERT_EQ(both.parts.size(), 1u);
-  EXPECT_EQ(both.parts[0].name, "b");
-  EXPECT_EQ(both.parts[0].rig.clips.size(), 1u);
-  // Anything else: a word about it, and the rigs of the parts.
-  const char* const kBad[] = {
-      "3",
-      "{}",
-      R"({"parts":[]})",
-      R"({"parts":[{"joints":["a"]},{"joints":["b"]}]})",
-      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":[3]}]})",
-      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["\u001b[2J"]}]})",
-      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","d"],"knots":2}]})",
-      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","d"],"knots":1e99}]})",
-      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c"],"knots":5}]})",
-      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","a"]}]})",
-  };
-  for (const char* bad : kBad) {
-    const ProcessResult said = printed(bad);
-    EXPECT_EQ(said.exit, 0) << bad << said.err;
-    EXPECT_NE(said.err.find("its INFO describes a skin that cannot be used ("), std::string::npos)
-        << bad << said.err;
-    const RigFile file = parseRigFile(said.out);
-    EXPECT_TRUE(file.whole.skin.empty()) << bad;
-    ASSERT_EQ(file.parts.size(), 3u) << bad;
-    EXPECT_EQ(file.parts[0].rig.clips.size(), 1u) << bad;
+  // The rigs that a rig file gave to parts; the skin makes the others.
+  const ProcessResult given = printed(R"({"rigs":["b","z"]})");
+  EXPECT_EQ(given.exit, 0) << given.err;
+  const RigFile file = parseRigFile(given.out);
+  ASSERT_EQ(file.parts.size(), 1u);
+  EXPECT_EQ(file.parts[0].name, "b");
+  EXPECT_EQ(file.parts[0].rig.clips.size(), 1u);
+  EXPECT_EQ(parseRig(printed(R"({"rigs":[]})", {"--part", "1"}).out).clips.size(), 1u);
+  for (const char* none : {R"({"rigs":[]})", "{}", R"({"rigs":3})", R"({"rigs":["\u001b[2J"]})"}) {
+    const ProcessResult said = printed(none);
+    EXPECT_NE(said.exit, 0) << none;
+    EXPECT_NE(said.err.find("a skin moves its parts, and none has a rig of its own"), std::string::npos)
+        << none << said.err;
   }
+  EXPECT_EQ(parseRigFile(printed("3").out).parts.size(), 3u) << "no skin";
 }
 
 TEST_F(KelpDumpCost, NamesThatNoRigFileHas) {

@@ -84,12 +84,14 @@ void nearestOfCell(const Cage& cage, std::uint32_t cell, std::span<const glm::ve
 
 // Nearer than the radius, or around the origin.
 CageContact contactOf(const Cage& cage, std::span<const glm::vec3> places, bool mirrored, float radius) {
+  Box box;
+  for (const glm::vec3& place : places) box.add(place);
+  const bool is_in_box = box.min == glm::min(box.min, 0.0f) && box.max == glm::max(box.max, 0.0f);
   CageContact best{radius};
-  for (const float limit : {radius, INFINITY}) {
-    best.distance = limit;
+  for (int turn = 0; turn < (is_in_box ? 2 : 1) && best.distance >= radius; ++turn) {
+    best.distance = turn == 0 ? radius : INFINITY;
     for (std::uint32_t cell = 0; cell < cage.cells() && best.distance > 0; ++cell)
       nearestOfCell(cage, cell, places, mirrored, best);
-    if (best.distance < radius) return best;
   }
   return best;
 }
@@ -204,13 +206,19 @@ Result<void> Spring::pushNodesAway(Body& body, const Instance& instance, int par
   const PosedPart followed = posedPart(instance, part);
   const bool knots_move = movesOf(body, cage.side, is_hosts ? nullptr : &followed, moves);
   const std::span<Swing> swings = node_swings_.span().subspan(body.first_node, body.nodes);
-  float far2 = 0;  // how far from the pose, in heights
+  // Most parts are far away. How far are nodes from the pose?
+  float far2 = 0, far_by_knots = 0;
   for (std::uint32_t i = body.moved; i < body.moved_end; ++i)
     far2 = std::max(far2, lengthSquared(swings[i].offset));
+  for (const glm::mat4x3& move : moves) {
+    const glm::vec2 beside = glm::vec2(body.middle.x, body.middle.z) + static_cast<float>(cage.side);
+    far_by_knots = std::max(far_by_knots, beside.x * glm::length(move[0]) + beside.y * glm::length(move[2]) +
+                                              glm::length(move[3]));
+  }
   const Box& box = posed->bounds;
   const glm::vec3 middle(to_ball * glm::vec4(0.5f * (box.min + box.max), 1));
-  const float extent = 0.5f * glm::distance(box.min, box.max) + std::sqrt(far2) * body.height;
-  if (!knots_move && !(glm::length(middle) <= radius + scale * extent)) return {};
+  const float extent = 0.5f * glm::distance(box.min, box.max) + std::sqrt(far2) * body.height + far_by_knots;
+  if (!(glm::length(middle) <= radius + scale * extent)) return {};
 
   const std::span<glm::vec3> places = node_places_.span().first(body.nodes);
   for (std::uint32_t i = 0; i < body.nodes; ++i) {

@@ -95,8 +95,6 @@ class ClipKeys {
   }
 
  private:
-  const glm::dmat4x3& local(std::size_t t, std::size_t j) const { return locals_[t * count_ + j]; }
-
   void measureSize() {
     glm::dvec3 low(INFINITY), high(-INFINITY);
     for (const SkinNode& node : nodes_) {
@@ -108,7 +106,6 @@ class ClipKeys {
 
   void takeApart() {
     poses_.resize(clip_.locals.size());
-    locals_.resize(clip_.locals.size());
     motions_.resize(clip_.locals.size());
     std::vector<glm::dquat> at_rest;  // of the nodes that turn, as the pivots have them
     for (const SourceSkin::Joint& joint : skin_.joints)
@@ -120,9 +117,9 @@ class ClipKeys {
                                glm::conjugate(at_rest[j]) * clip_.turns[i]);
         const glm::dquat before = t == 0 ? glm::dquat(1, 0, 0, 0) : poses_[i - count_].rotation;
         if (glm::dot(poses_[i].rotation, before) < 0) poses_[i].rotation = -poses_[i].rotation;
-        locals_[i] = localOf(poses_[i], j);
+        const glm::dmat4x3 local = localOf(poses_[i], j);
         const int parent = skin_.joints[j].parent;
-        motions_[i] = parent < 0 ? locals_[i] : motions_[t * count_ + at(parent)] * glm::dmat4(locals_[i]);
+        motions_[i] = parent < 0 ? local : motions_[t * count_ + at(parent)] * glm::dmat4(local);
       }
   }
 
@@ -173,7 +170,7 @@ class ClipKeys {
     std::vector<bool> moving(count_, false);
     for (std::size_t t = 1; t < clip_.times.size(); ++t)
       for (std::size_t j = 0; j < count_; ++j) {
-        const glm::dmat4x3 off = local(t, j) - local(0, j);
+        const glm::dmat4x3 off = clip_.locals[t * count_ + j] - clip_.locals[j];
         const glm::dvec3 middle = pivots_[j][3];
         double most = glm::length(off * glm::dvec4(middle, 1));
         for (int axis = 0; axis < 3; ++axis) most = std::max(most, size_ * glm::length(off[axis]));
@@ -266,8 +263,7 @@ class ClipKeys {
   std::vector<glm::dmat4x3> to_pivots_;
   double size_ = 1;
   std::vector<Trs> poses_;             // of time t and joint j at [t * count_ + j]
-  std::vector<glm::dmat4x3> locals_;   // of these
-  std::vector<glm::dmat4x3> motions_;  // of these
+  std::vector<glm::dmat4x3> motions_;  // of these, with those above
   std::vector<std::vector<Watched>> watched_;
   std::vector<SkinNode> outer_;  // the nodes that are farthest out, of each joint
   std::vector<bool> loose_;

@@ -114,7 +114,7 @@ class Spring {
   void addTo(const Body& body, std::span<Knot> knots) const;
   void pushAway(const Body& body, const Part& part, std::span<const Knot> pose, const glm::mat4& to_world,
                 const glm::vec3& center, float radius);
-  // src/cages/node_springs.cpp
+  // Of nodes:
   struct Ball;
   bool movesOf(const Body& body, int side, const PosedPart* followed, std::span<glm::mat4x3> moves) const;
   Result<void> pushNodesAway(Body& body, const Instance& instance, int part, const glm::vec3& center,
