@@ -232,8 +232,8 @@ class Poses(Column):
             spring, rest = kelp.Spring(asset), pose.nodes(comb)
             self.assertEqual(len(rest), len(spring.node_swings(comb)))
             instance = kelp.Instance(asset, pose)
-            low, high = instance.bounds()
-            spring.push_away(instance, (low + high) / 2, 0.4)
+            middle = instance.part_to_world(comb) @ (*rest.mean(axis=0), 1)
+            spring.push_away(instance, middle[:3], 0.4)
             swings = spring.node_swings(comb)["offset"]
             self.assertGreater(np.abs(swings).max(), 0.01)
             spring.add_to(pose)
