@@ -94,6 +94,46 @@ TEST_P(CagedLight, RaysLeaveTheCageAndEnterItAgain) {
   }
 }
 
+// A plate in one part, and the one above it in another: with cages, as without.
+TEST_P(CagedLight, PartsOfAnInstanceShadeEachOther) {
+  const fields::Occupancy both = plates();
+  RawPack pack = distancePackOf(both);
+  const auto half = [&](bool upper, const char* name) {
+    fields::Occupancy volume = both;
+    for (int i = 0; i < both.size.x * both.size.y * both.size.z; ++i)
+      if ((i / both.size.x % both.size.y >= 30) != upper) volume.solid[static_cast<std::size_t>(i)] = 0;
+    RawPart part = distancePackOf(volume).parts[0];
+    part.name = name;
+    return part;
+  };
+  pack.parts = {half(false, "lower"), half(true, "upper")};
+  const std::vector<std::byte> plain_bytes = bytesOf(pack), caged_bytes = bytesOf(caged(pack, 8));
+  const MemorySource plain_source(plain_bytes), caged_source(caged_bytes);
+  const auto plain = loadDistances(plain_source), with_cages = loadDistances(caged_source);
+  const Canvas canvas({120, 100});
+  gl::View view = closeTo(canvas, {plain.get()}, {0.4f, 0.4f, 0.6f});
+  view.light.sun_direction = {-0.6f, 0.7f, 0.1f};
+  view.quality.occlusion_reach = kReach;
+  view.quality.occlusion = true;
+  view.quality.soft_shadows = kSunDegrees;
+  const auto pictureOf = [&](const runtime::Asset& asset) {
+    canvas.clear();
+    EXPECT_TRUE(makeRenderer(asset, kVisible, with(gl::Features::kDistances))->draw(view, Instance{&asset}));
+    return canvas.pixels();
+  };
+  const std::vector<Pixel> expected = pictureOf(*plain), found = pictureOf(*with_cages);
+  int covered = 0, dark = 0, dim = 0, apart = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    covered += expected[i][3] != 0;
+    dark += expected[i][3] != 0 && expected[i][0] == 0;
+    dim += expected[i][3] != 0 && expected[i][1] < 220;
+    apart += std::abs(expected[i][0] - found[i][0]) > 40 || std::abs(expected[i][1] - found[i][1]) > 40;
+  }
+  EXPECT_GT(dark, 300);
+  EXPECT_GT(dim, 300);
+  EXPECT_LT(apart, covered / 100);
+}
+
 // At points of planes through and beside it. A block has a middle without cells.
 TEST_P(CagedLight, KelpDistanceIsThatToTheVoxels) {
   const glm::ivec3 size(48, 64, 40);
