@@ -47,19 +47,23 @@ KelpMaterial kelpMaterial(int entry) {
 }
 
 // The material of an inner voxel, which has no attribute and is seen where the near plane or the eye cuts
-// into a solid: that of the nearest surface voxel among its 26 neighbors, or the palette's first.
+// into a solid, or where pieces of a cage part: that of the first surface voxel in the directions of its 26
+// neighbors, up to 8 steps away, or the palette's first.
 uint kelpInnerMaterial(ivec3 voxel) {
   uint material = 0u;
   int nearest = 4;
-  for (int i = 0; i < 27; ++i) {
-    ivec3 offset = ivec3(i % 3, (i / 3) % 3, i / 9) - 1;
-    int distance = offset.x * offset.x + offset.y * offset.y + offset.z * offset.z;
-    if (distance >= nearest) continue;
-    uint brick;
-    uint code = kelpCodeAt(voxel + offset, brick);
-    if (kelpIsSurface(code)) {
-      nearest = distance;
-      material = kelpAttribute(brick, (voxel.z + offset.z) & 7, code) & 255u;
+  for (int away = 1; away <= 8 && nearest == 4; ++away) {
+    for (int i = 0; i < 27; ++i) {
+      ivec3 towards = ivec3(i % 3, (i / 3) % 3, i / 9) - 1;
+      int distance = towards.x * towards.x + towards.y * towards.y + towards.z * towards.z;
+      if (distance >= nearest) continue;
+      ivec3 beside = voxel + away * towards;
+      uint brick;
+      uint code = kelpCodeAt(beside, brick);
+      if (kelpIsSurface(code)) {
+        nearest = distance;
+        material = kelpAttribute(brick, beside.z & 7, code) & 255u;
+      }
     }
   }
   return material;

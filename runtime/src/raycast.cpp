@@ -63,23 +63,24 @@ const std::uint8_t* traceBrick(const void* user, std::uint32_t cell) {
   return words ? reinterpret_cast<const std::uint8_t*>(words + kSliceWords) : nullptr;
 }
 
-// An inner voxel has no attribute; only rays that start inside a solid hit one. It gets the material of the
-// nearest surface voxel among its 26 neighbors, or palette entry 0, as in shaders/shading.glsl.
+// An inner voxel has no attribute; rays hit one that start inside a solid, or where pieces of a cage part. Its
+// material is found as in shaders/shading.glsl.
 std::uint8_t innerMaterial(const LevelBricks& bricks, const glm::ivec3& voxel) {
   std::uint8_t material = 0;
   int nearest = 4;
-  for (int i = 0; i < 27; ++i) {
-    const glm::ivec3 offset = glm::ivec3(i % 3, i / 3 % 3, i / 9) - 1;
-    const int distance = offset.x * offset.x + offset.y * offset.y + offset.z * offset.z;
-    const glm::ivec3 v = voxel + offset;
-    if (distance >= nearest || glm::any(glm::lessThan(v, glm::ivec3(0))) ||
-        glm::any(glm::greaterThanEqual(v, bricks.level->data.size)))
-      continue;
-    if (const auto beside = bricks.attributeAt(v)) {
-      nearest = distance;
-      material = attributePalette(*beside);
+  for (int away = 1; away <= 8 && nearest == 4; ++away)
+    for (int i = 0; i < 27; ++i) {
+      const glm::ivec3 towards = glm::ivec3(i % 3, i / 3 % 3, i / 9) - 1;
+      const int distance = towards.x * towards.x + towards.y * towards.y + towards.z * towards.z;
+      const glm::ivec3 v = voxel + away * towards;
+      if (distance >= nearest || glm::any(glm::lessThan(v, glm::ivec3(0))) ||
+          glm::any(glm::greaterThanEqual(v, bricks.level->data.size)))
+        continue;
+      if (const auto beside = bricks.attributeAt(v)) {
+        nearest = distance;
+        material = attributePalette(*beside);
+      }
     }
-  }
   return material;
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "caged.h"
+#include "kelp/runtime/spring.h"
 #include "support/naive_cages.h"
 #include "support/short_memory.h"
 
@@ -326,6 +327,33 @@ TEST(FollowedParts, MotionsThatAreNoNumbersAreRefused) {
     puppet.pose.reset();
     puppet.expectPlaced();
   }
+}
+
+// A sphere that a spring meets pushes nodes away from where the parts take them.
+TEST(FollowedParts, SpringsPushTheNodes) {
+  Puppet puppet(4);
+  puppet.move(1, 0.3f);
+  const Box box = bounds(puppet.instance());
+  const glm::vec3 from(0.5f * (box.min.x + box.max.x), 0.5f * (box.min.y + box.max.y), box.max.z + 1);
+  const auto hit = raycast(puppet.instance(), {from, {0, 0, -1}});
+  ASSERT_TRUE(hit);
+  const std::vector<glm::vec3> before(std::as_const(puppet.pose).nodes(2).begin(),
+                                      std::as_const(puppet.pose).nodes(2).end());
+  Spring spring = Spring::create(puppet.asset()).value();
+  spring.pushAway(puppet.instance(), hit->position, 0.05f).value();
+  spring.addTo(puppet.pose).value();
+  const std::span<const glm::vec3> after = std::as_const(puppet.pose).nodes(2);
+  std::size_t moved = 0;
+  const glm::mat4 to_world = partToWorld(puppet.instance(), 2).value();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    moved += before[i] != after[i];
+    const float far = glm::distance(glm::vec3(to_world * glm::vec4(before[i], 1)), hit->position);
+    if (far > 1) EXPECT_EQ(before[i], after[i]);
+  }
+  EXPECT_GT(moved, 10u);
+  EXPECT_LT(moved, before.size() / 2);
+  const auto now = raycast(puppet.instance(), {from, {0, 0, -1}});
+  EXPECT_TRUE(!now || now->t > hit->t + 0.04f);
 }
 
 TEST(FollowedParts, ThreadsAskAtOnce) {

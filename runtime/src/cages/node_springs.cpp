@@ -204,7 +204,10 @@ Result<void> Spring::pushNodesAway(Body& body, const Instance& instance, int par
   const std::span<glm::mat4x3> moves(room, static_cast<std::size_t>(cage.grid.y) + 1);
   const bool is_hosts = instance.pose && PoseCages::of(*instance.pose, part)->written;
   const PosedPart followed = posedPart(instance, part);
-  const bool knots_move = movesOf(body, cage.side, is_hosts ? nullptr : &followed, moves);
+  // Nodes that follow other parts do not move with this one's knots.
+  const bool follows = !is_hosts && !cage.influences.empty();
+  if (follows) std::fill(moves.begin(), moves.end(), glm::mat4x3(0));
+  const bool knots_move = !follows && movesOf(body, cage.side, is_hosts ? nullptr : &followed, moves);
   const std::span<Swing> swings = node_swings_.span().subspan(body.first_node, body.nodes);
   // Most parts are far away. How far are nodes from the pose?
   float far2 = 0, far_by_knots = 0;
@@ -221,13 +224,14 @@ Result<void> Spring::pushNodesAway(Body& body, const Instance& instance, int par
   if (!(glm::length(middle) <= radius + scale * extent)) return {};
 
   const std::span<glm::vec3> places = node_places_.span().first(body.nodes);
+  const PosedCage near = posedCage(instance, part, 0).value();  // its pose was good when it was bounded
   for (std::uint32_t i = 0; i < body.nodes; ++i) {
     glm::vec3 off = body.height * swings[i].offset;
     if (knots_move) {
       const glm::vec3 from_middle = glm::vec3(cage.rest(i)) - body.middle;
       off += moves[cage.places[i] >> 10 & 1023] * glm::vec4(from_middle.x, 0, from_middle.z, 1);
     }
-    places[i] = glm::vec3(to_ball * glm::vec4(posed->nodes[i] + off, 1));
+    places[i] = glm::vec3(to_ball * glm::vec4(near.nodes[i] + off, 1));
   }
   const bool mirrored = glm::determinant(ball.turn) < 0;
   constexpr int kRounds = 8;

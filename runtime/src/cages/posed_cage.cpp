@@ -202,7 +202,7 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage, CageUs
     const Result<void> sound = PoseCages::check(pose, part);
     if (!sound) return sound.error();
     if (use == CageUse::kBounds)
-      return PosedCage{&of, placed, PoseCages::followedBounds(pose, part), {}, 0, {}, in.leaves};
+      return PosedCage{&of, {}, PoseCages::followedBounds(pose, part), {}, 0, {}, in.leaves};
   } else if (!PoseCages::place(pose, part)) {
     return nodes->failure;
   }
