@@ -63,8 +63,8 @@ const std::uint8_t* traceBrick(const void* user, std::uint32_t cell) {
   return words ? reinterpret_cast<const std::uint8_t*>(words + kSliceWords) : nullptr;
 }
 
-// An inner voxel has no attribute; rays hit one that start inside a solid, or where pieces of a cage part. Its
-// material is found as in shaders/shading.glsl.
+// An inner voxel has no attribute; rays hit one that start inside a solid, or where pieces of a cage part.
+// Its material is found as in shaders/shading.glsl.
 std::uint8_t innerMaterial(const LevelBricks& bricks, const glm::ivec3& voxel) {
   std::uint8_t material = 0;
   int nearest = 4;

@@ -15,8 +15,8 @@ namespace kelp::runtime {
 
 inline constexpr float kNowhere = 1e38f;  // both corners of a box without cells: no ray comes there
 
-// How much of a posed cage is made: a box around its nodes, and the nodes, unless they follow parts; all nodes
-// and the inverted tetrahedra; the tree, for rays, too.
+// How much of a posed cage is made: a box around its nodes, and the nodes, unless they follow parts; all
+// nodes and the inverted tetrahedra; the tree, for rays, too.
 enum class CageUse { kBounds, kCells, kTree };
 
 // Valid until the pose changes.
