@@ -124,14 +124,17 @@ class Cages(Case):
                 self.assertLess(bytes_of["CAGE"] - 50, (bytes_of["BRCK"] + bytes_of["GRID"]) / 10)
                 self.assertGreater(cage["cages"][0]["cells"], 40)
 
-    def test_a_skin_has_none(self):
+    def test_a_skin_has_one_anyway(self):
         fox = os.path.join(ASSETS, "gltf/draco_testdata/Fox/Fox.gltf")
         if not os.path.exists(fox):
             self.skipTest("no assets in %s; set KELP_ASSETS" % ASSETS)
-        result = self.bake(fox, "-o", "out.kelp", "--bend", "cage")
-        self.assertEqual(result.returncode, 5)
-        for word in (b"joints", b"--rig none"):
-            self.assertIn(word, result.stderr)
+        for options in ((), ("--bend", "cage")):
+            self.passes(fox, "-o", "out.kelp", "--resolution", "48", "--cell", "8", *options)
+            self.dump("verify", "--deep")
+            body, *joints = json.loads(self.dump("info", "--format", "json"))["parts"]
+            self.assertEqual((body["bend"], body["cage"]["cell"]), ("cage", 8))
+            self.assertGreater(len(body["cage"]["follows"]), 10)
+            self.assertEqual({joint["kind"] for joint in joints}, {"empty"})
 
 
 if __name__ == "__main__":

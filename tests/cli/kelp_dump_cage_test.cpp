@@ -21,6 +21,7 @@ class KelpDumpCage : public testing::Test {
     RawPack pack = test::makeTinyCagePack();
     pack.parts.erase(pack.parts.begin(), pack.parts.begin() + 2);
     pack.parts[1].parent = 0;
+    test::addInfluences(pack.parts[1], 1, 2, 1);
     pack.clips.clear();
     pack.sockets.clear();
     return pack;
@@ -63,6 +64,8 @@ TEST_F(KelpDumpCage, InfoSaysWhatThereIs) {
   EXPECT_EQ(comb["cage"]["cell"], 4);
   EXPECT_EQ(comb["cage"]["spline"], "sweep");
   ASSERT_EQ(comb["cage"]["cages"].size(), 3u);
+  EXPECT_FALSE(comb["cage"].contains("follows"));
+  EXPECT_EQ(info["parts"][1]["cage"]["follows"], json::array({0}));
   const test::NaiveCage naive({22, 13, 3}, 4, 1, test::isComb);
   const json& second = comb["cage"]["cages"][1];
   EXPECT_EQ(second["level"], 1);
@@ -108,6 +111,7 @@ TEST_F(KelpDumpCage, DiffSaysWhichCagesDiffer) {
   RawPack pack = sound();
   pack.parts[1].cages.clear();
   pack.parts[1].cell = 0;
+  pack.parts[1].influences.clear();
   json found = run({"diff", path, write("b.kelp", pack)}, 7)["differences"];
   ASSERT_EQ(found.size(), 1u) << found;
   EXPECT_EQ(found[0]["kind"], "cage");
@@ -118,6 +122,11 @@ TEST_F(KelpDumpCage, DiffSaysWhichCagesDiffer) {
   found = run({"diff", path, write("c.kelp", pack)}, 7)["differences"];
   ASSERT_EQ(found.size(), 1u) << found;
   EXPECT_EQ(found[0]["text"], "cage: other cells, pieces or nodes for level 1");
+  pack = sound();
+  pack.parts[1].influences.clear();
+  found = run({"diff", path, write("d.kelp", pack)}, 7)["differences"];
+  ASSERT_EQ(found.size(), 1u) << found;
+  EXPECT_EQ(found[0]["text"], "cage: nodes follow other parts, or by other weights");
 }
 
 }  // namespace

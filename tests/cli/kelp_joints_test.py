@@ -273,7 +273,12 @@ class Joints(unittest.TestCase):
                 self.assertLess(np.abs(got - expected).max(), 0.5 * voxel, part.name)
                 self.assertGreater(np.abs(got - corners @ part.to_object.T).max(), 2 * voxel, part.name)
                 owned += 1
-        self.assertEqual(len(asset.parts), owned)
+        self.assertEqual(len(asset.parts), owned + 1)  # and the body, whose nodes follow them
+        body = next(i for i in range(len(asset.parts)) if all(i not in joint.parts for joint in joints))
+        driven = kelp.Pose(asset)
+        driven.set_joints(asset, [world[node] @ joint.inverse_bind for joint, node in zip(joints, nodes)])
+        self.assertLess(np.abs(driven.nodes(body) - pose.nodes(body)).max(), 0.02)
+        self.assertGreater(np.abs(driven.nodes(body) - kelp.Pose(asset).nodes(body)).max(), 2)
 
         done = subprocess.run([DUMP, "info", pack, "--format", "json"], capture_output=True, text=True)
         told = json.loads(done.stdout)["joints"]
