@@ -44,7 +44,7 @@ const Part& partOf(const Instance& instance, int part) {
 
 // Empty if the part cannot be drawn.
 Box boundsOfCage(const Instance& instance, std::size_t part) {
-  const Result<PosedCage> posed = posedCage(instance, static_cast<int>(part), 0, CageUse::kBounds);
+  const Result<PosedCage> posed = posedCage(instance, static_cast<int>(part), 0);
   return posed ? posed->bounds : Box{};
 }
 
