@@ -52,7 +52,7 @@ def draw(studio, name):
                json.loads(studio.run("kelp-dump", "info", "--format", "json", pack))["clips"]}
     side = studio.options.tile
     tile, rows = (side, round(side * shape)), moments // 4
-    sheet = figures.Sheet(4, rows * len(clips), tile, figures.letters(side), title, "its joints move parts")
+    sheet = figures.Sheet(4, rows * len(clips), tile, figures.letters(side), title, "its joints move a cage")
     for index, (clip, called, camera) in enumerate(clips):
         file = studio.render("%s_%d" % (name, index), tile, pack, "--clip", clip, "--frames", moments,
                              *camera.split(), "--background", BACKGROUND)

@@ -119,6 +119,12 @@ void addOutline(const runtime::Instance& instance, Framing& framing) {
   for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
     const Part& part = parts[static_cast<std::size_t>(p)];
     if (part.kind == PartKind::kEmpty) continue;
+    if (!part.cages.empty()) {
+      const glm::dmat4 to_world(partToWorld(instance, p).value());
+      for (const glm::vec3& node : instance.pose->nodes(p))
+        framing.add(glm::dvec3(to_world * glm::dvec4(node, 1)));
+      continue;
+    }
     int index = 0;
     while (index + 1 < part.levels &&
            std::max({part.size.x, part.size.y, part.size.z}) > (kMostBricks * kBrickSide) << index)
