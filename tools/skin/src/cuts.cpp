@@ -13,8 +13,9 @@ namespace {
 
 // Samples whose weights differ by less stay together. 1: no joint in common.
 constexpr double kAlike = 0.4;
-// The mesh joins two samples if it does so within so many voxels.
-constexpr double kNear = 4;
+// The mesh joins two samples if it does so within so many voxels of the middle of a cube of kPlace^3.
+constexpr double kNear = 6;
+constexpr double kPlace = 4;
 constexpr std::uint32_t kNoSample = 0xffffffffu;
 
 double weightDifference(std::span<const SkinSamples::Weighted> a, std::span<const SkinSamples::Weighted> b) {
@@ -38,6 +39,13 @@ void forEachSolid(const fields::SolidBits& solid, const glm::ivec3& middle, int 
 
 glm::ivec3 voxelAround(const glm::ivec3& size, const glm::dvec3& at) {
   return glm::ivec3(glm::clamp(glm::floor(at), glm::dvec3(0), glm::dvec3(size - 1)));
+}
+
+double distanceToEdge(const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& p) {
+  const glm::dvec3 edge = to - from;
+  const double length = glm::dot(edge, edge);
+  const double share = length > 0 ? std::clamp(glm::dot(p - from, edge) / length, 0.0, 1.0) : 0.0;
+  return glm::distance(p, from + share * edge);
 }
 
 double squaredDistance(const glm::ivec3& voxel, const glm::dvec3& point) {
@@ -102,36 +110,41 @@ SkinCuts::SkinCuts(const TriangleSoup& soup, const Frame& frame, const SkinSampl
 bool SkinCuts::areApart(const SkinSamples& a, std::size_t i, const SkinSamples& b, std::size_t j) {
   if (a.triangles[i] == b.triangles[j] || weightDifference(a.weights(i), b.weights(j)) <= kAlike)
     return false;
-  const auto [joined, fresh] = joined_.try_emplace({a.triangles[i], b.triangles[j]}, false);
-  if (fresh)
-    joined->second = areJoined(a.triangles[i], b.triangles[j], 0.5 * (a.positions[i] + b.positions[j]));
-  return !joined->second;
+  const glm::ivec3 place(glm::floor(0.5 / kPlace * (a.positions[i] + b.positions[j])));
+  Surfaces& here = surfaces_[{place.x, place.y, place.z}];
+  const glm::dvec3 middle = kPlace * (glm::dvec3(place) + 0.5);
+  return surfaceOf(a.triangles[i], middle, here) != surfaceOf(b.triangles[j], middle, here);
 }
 
-// Over triangles that share vertices, near a point.
-bool SkinCuts::areJoined(std::uint32_t from, std::uint32_t to, const glm::dvec3& near) const {
-  std::vector<std::uint32_t> reached{from};
-  for (std::size_t i = 0; i < reached.size(); ++i) {
-    if (reached[i] == to) return true;
-    for (const std::uint32_t vertex : triangles_[reached[i]])
-      for (std::size_t k = first_at_[vertex]; k < first_at_[vertex + 1]; ++k)
-        if (std::find(reached.begin(), reached.end(), at_[k]) == reached.end() &&
-            distanceTo(at_[k], near) <= kNear)
-          reached.push_back(at_[k]);
+// Over vertices and edges that are near a point. All triangles of a surface are found with the first.
+std::uint32_t SkinCuts::surfaceOf(std::uint32_t triangle, const glm::dvec3& near, Surfaces& found) const {
+  if (const auto known = found.find(triangle); known != found.end()) return known->second;
+  const std::uint32_t surface = triangle;
+  std::vector<std::uint32_t> open{triangle};
+  found.emplace(triangle, surface);
+  const auto join = [&](std::uint32_t one) {
+    if (found.emplace(one, surface).second) open.push_back(one);
+  };
+  while (!open.empty()) {
+    const std::array<std::uint32_t, 3> corners = triangles_[open.back()];
+    open.pop_back();
+    for (std::size_t v = 0; v < 3; ++v) {
+      const std::uint32_t from = corners[v], to = corners[(v + 1) % 3];
+      const bool at_corner = glm::distance(corners_[from], near) <= kNear,
+                 at_edge = distanceToEdge(corners_[from], corners_[to], near) <= kNear;
+      for (std::size_t k = first_at_[from]; (at_corner || at_edge) && k < first_at_[from + 1]; ++k) {
+        const std::array<std::uint32_t, 3>& other = triangles_[at_[k]];
+        if (at_corner || std::find(other.begin(), other.end(), to) != other.end()) join(at_[k]);
+      }
+    }
   }
-  return false;
+  return surface;
 }
 
 // Of the nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
 double SkinCuts::distanceTo(std::uint32_t triangle, const glm::dvec3& p) const {
   const glm::dvec3 &a = corners_[triangles_[triangle][0]], &b = corners_[triangles_[triangle][1]],
                    &c = corners_[triangles_[triangle][2]];
-  const auto along = [&](const glm::dvec3& from, const glm::dvec3& to) {
-    const glm::dvec3 edge = to - from;
-    const double length = glm::dot(edge, edge);
-    const double share = length > 0 ? std::clamp(glm::dot(p - from, edge) / length, 0.0, 1.0) : 0.0;
-    return glm::distance(p, from + share * edge);
-  };
   const glm::dvec3 normal = glm::cross(b - a, c - a);
   const double area = glm::length(normal);
   const auto isInner = [&](const glm::dvec3& from, const glm::dvec3& to) {
@@ -139,7 +152,7 @@ double SkinCuts::distanceTo(std::uint32_t triangle, const glm::dvec3& p) const {
   };
   if (area > 0 && isInner(a, b) && isInner(b, c) && isInner(c, a))
     return std::abs(glm::dot(p - a, normal)) / area;
-  return std::min({along(a, b), along(b, c), along(c, a)});
+  return std::min({distanceToEdge(a, b, p), distanceToEdge(b, c, p), distanceToEdge(c, a, p)});
 }
 
 std::optional<glm::ivec3> SkinCuts::voxelOf(const SkinSamples& of, std::size_t i) {

@@ -2,11 +2,12 @@
 // Where neighboring voxels belong to surfaces that move apart: an arm at a hip, the parts of a robot.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
-#include <utility>
+#include <unordered_map>
 #include <vector>
 
 #include "kelp/fields/solid_bits.h"
@@ -31,7 +32,9 @@ class SkinCuts {
 
  private:
   bool areApart(const SkinSamples& a, std::size_t i, const SkinSamples& b, std::size_t j);
-  bool areJoined(std::uint32_t from, std::uint32_t to, const glm::dvec3& near) const;
+  // Of triangles: one of the triangles of its surface near a place.
+  using Surfaces = std::unordered_map<std::uint32_t, std::uint32_t>;
+  std::uint32_t surfaceOf(std::uint32_t triangle, const glm::dvec3& near, Surfaces& found) const;
   double distanceTo(std::uint32_t triangle, const glm::dvec3& point) const;
 
   const SkinSamples& samples_;
@@ -42,7 +45,7 @@ class SkinCuts {
   std::vector<std::uint32_t> at_;
   std::vector<std::uint32_t> owners_;  // of each voxel: its sample, or none
   std::vector<std::uint16_t> cuts_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, bool> joined_;  // of triangles that were asked for
+  std::map<std::array<int, 3>, Surfaces> surfaces_;  // of places that were asked for
 };
 
 }  // namespace kelp::bake
