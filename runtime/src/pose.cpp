@@ -148,6 +148,7 @@ void Pose::reset() {
 
 Result<void> Pose::assign(const Pose& other) {
   if (!sameShape(other)) return kNotAlike;
+  if (&other == this) return {};
   if (parts_ > 0) std::copy_n(const_cast<Pose&>(other).state(), stateBytes(), state());
   if (!cages_.empty()) PoseCages::assign(other, *this);
   return {};

@@ -244,6 +244,35 @@ TEST(FollowedParts, BlendsMixJoints) {
   puppet.expectPlaced();
 }
 
+TEST(FollowedParts, BlendsLetJointsGo) {
+  Puppet puppet(4);
+  puppet.pose.setJoints(puppet.asset(), someMatrices(3)).value();
+  puppet.pose.assign(puppet.pose).value();
+  for (std::size_t i = 0; i < 4; ++i) puppet.driven[kDrivenParts[i]] = glm::dmat4(someMatrices(3)[i]);
+  puppet.expectPlaced();
+  const Pose rest = Pose::create(puppet.asset()).value();
+  puppet.pose.blend(rest, 1).value();
+  for (auto& joint : puppet.driven) joint.reset();
+  puppet.move(2);
+  puppet.expectPlaced();
+}
+
+// Of each part that nodes follow a pose has a map: not of all parts for each body.
+TEST(FollowedParts, PosesOfManyBodiesAreSmall) {
+  constexpr std::size_t kBodies = 300;
+  RawPack pack = CagedAsset::packOf(fields::Occupancy{{4, 4, 4}, std::vector<std::uint8_t>(64, 1)}, 4,
+                                    Bend::kShear, straight({0, 1}));
+  pack.parts.assign(kBodies, pack.parts[0]);
+  for (std::size_t i = 0; i < kBodies; ++i) {
+    const auto next = static_cast<std::uint16_t>((i + 1) % kBodies);
+    pack.parts[i].influences.assign(8, Influences{{next}, {255}});
+  }
+  const Loaded loaded(pack);
+  test::ShortMemory memory;
+  const Pose pose = Pose::create(*loaded.asset, memory.allocator()).value();
+  EXPECT_LT(memory.peak_bytes, 2'000 * kBodies);
+}
+
 TEST(FollowedParts, WrittenNodesStay) {
   Puppet puppet(4);
   puppet.move(1);

@@ -111,7 +111,9 @@ void PoseCages::blendDriven(const Pose& to, float weight, std::span<const float>
   for (std::size_t i = 0; i < mine.size(); ++i) {
     const int part = static_cast<int>(i);
     const float w = weights.empty() ? weight : weight * weights[i];
-    if (w > 0 && (drivenTo(pose, part) || drivenTo(to, part)))
+    if (w == 1 && !drivenTo(to, part))
+      pose.cages()->is_driven[i] = false;
+    else if (w > 0 && (drivenTo(pose, part) || drivenTo(to, part)))
       drive(pose, part, mine[i] + w * (theirs[i] - mine[i]));
   }
   forgetMotions(pose);
@@ -132,10 +134,10 @@ std::span<const glm::mat4> PoseCages::motionsOf(const Pose& pose) {
       const glm::mat4 to_object = affine(all.rest[body].to_object),
                       from_object = glm::affineInverse(to_object);
       nodes.bent = false;
-      for (std::size_t i = 0; i < all.rest.size(); ++i) {
-        if (nodes.boxes[i].empty()) continue;
-        const bool bent = bends(posedPart(all.rest[i], pose, static_cast<int>(i)));
-        nodes.maps[i] = bent ? glm::mat4(0) : from_object * all.motions[i] * to_object;
+      for (std::size_t i = 0; i < nodes.followed.size(); ++i) {
+        const std::uint16_t of = nodes.followed[i];
+        const bool bent = bends(posedPart(all.rest[of], pose, of));
+        nodes.maps[i] = bent ? glm::mat4(0) : from_object * all.motions[of] * to_object;
         nodes.bent = nodes.bent || bent;
       }
       nodes.around = nodes.bent ? Box{} : boundsOfMaps(pose, static_cast<int>(body));
@@ -150,7 +152,9 @@ bool PoseCages::follow(const Pose& pose, int part, std::span<const Influences> i
   motionsOf(pose);
   const PoseCages& all = *pose.cages();
   const NodesInPose& in = *of(pose, part);
-  const auto columnOf = [&](std::uint16_t of, int column) { return Lanes::load(&in.maps[of][column].x); };
+  const auto columnOf = [&](std::uint16_t of, int column) {
+    return Lanes::load(&in.maps[in.slots[of]][column].x);
+  };
   const auto scale = static_cast<float>(side);
   // Each node is written with one float more, which the next one overwrites.
   for (std::size_t i = 0; i < influences.size(); ++i) {
@@ -165,9 +169,11 @@ bool PoseCages::follow(const Pose& pose, int part, std::span<const Influences> i
     }
     at.store(&nodes[i].x);
   }
-  for (std::size_t i = 0; i < all.rest.size() && in.bent; ++i)
-    if (!in.boxes[i].empty() && bends(posedPart(all.rest[i], pose, static_cast<int>(i))))
-      addBent(all, pose, part, i, influences, places, scale, nodes);
+  for (std::size_t i = 0; i < in.followed.size() && in.bent; ++i) {
+    const std::uint16_t of = in.followed[i];
+    if (bends(posedPart(all.rest[of], pose, of)))
+      addBent(all, pose, part, of, influences, places, scale, nodes);
+  }
   if (!badNode(pose, part, nodes, influences.size())) return true;
   for (std::size_t i = 0; i < influences.size(); ++i) nodes[i] = scale * glm::vec3(latticePoint(places[i]));
   return false;
@@ -187,8 +193,7 @@ Box PoseCages::followedBounds(const Pose& pose, int part) {
 Box PoseCages::boundsOfMaps(const Pose& pose, int part) {
   const NodesInPose& in = *of(pose, part);
   Box all;
-  for (std::size_t i = 0; i < in.boxes.size(); ++i) {
-    if (in.boxes[i].empty()) continue;
+  for (std::size_t i = 0; i < in.followed.size(); ++i) {
     const Box box = transformed(in.maps[i], in.boxes[i]);
     if (badNode(pose, part, &box.min, 1) || badNode(pose, part, &box.max, 1)) return {};
     all.add(box.min);

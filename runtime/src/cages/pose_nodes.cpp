@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 #include <glm/glm.hpp>
 
@@ -22,103 +21,6 @@ constexpr Error kBadNode{ErrorCode::kMisuse,
                          "a node that was written is no finite number, or farther away than 2^20 times the "
                          "part's longest side",
                          0, Error::Unit::kNode};
-
-// The places of a pose's arrays in one block: counted if there is no block.
-struct Carver {
-  std::byte* block;
-  std::uint64_t used = 0;
-
-  template <class T>
-  T* take(std::uint64_t count, std::uint64_t more_bytes = 0) {
-    T* const at = block ? reinterpret_cast<T*>(block + used) : nullptr;
-    used += (count * sizeof(T) + more_bytes + 15) / 16 * 16;
-    return at;
-  }
-};
-
-// The first of `count` new values; null if nothing is placed yet.
-template <class T>
-std::span<T> takeNew(Carver& carver, std::uint64_t count) {
-  T* const at = carver.take<T>(count);
-  if (!at) return {};
-  for (std::uint64_t i = 0; i < count; ++i) new (at + i) T{};
-  return {at, static_cast<std::size_t>(count)};
-}
-
-void layCage(const Cage& from, Carver& carver, CageInPose* cage) {
-  const std::uint32_t leaves = cageLeaves(from.cells());
-  auto* const nodes = carver.take<glm::vec3>(from.nodes(), sizeof(float));
-  auto* const tree = carver.take<Box>(2 * std::uint64_t{leaves});
-  if (!cage) return;
-  cage->nodes = nodes;
-  cage->tree = tree;
-  cage->node_count = from.nodes();
-  cage->cell_count = from.cells();
-  cage->leaves = leaves;
-}
-
-bool followsParts(const Part& part) { return !part.cages.empty() && !part.cages[0].influences.empty(); }
-
-// For the nodes of a part that follow parts.
-void layInfluences(const Part& from, std::size_t parts, Carver& carver, NodesInPose* nodes) {
-  auto* const influences = carver.take<Influences>(from.cages[0].nodes());
-  const std::span<Box> boxes = takeNew<Box>(carver, parts);
-  const std::span<glm::mat4> maps = takeNew<glm::mat4>(carver, parts);
-  if (!nodes) return;
-  std::copy(from.cages[0].influences.begin(), from.cages[0].influences.end(), influences);
-  nodes->influences = {influences, from.cages[0].nodes()};
-  nodes->boxes = boxes;
-  nodes->maps = maps;
-  for (std::uint32_t i = 0; i < from.cages[0].nodes(); ++i)
-    for (int k = 0; k < 4; ++k)
-      if (influences[i].weights[k] > 0) boxes[influences[i].parts[k]].add(glm::vec3(from.cages[0].rest(i)));
-}
-
-// For the motions of parts.
-void layMotions(std::span<const Part> parts, Carver& carver, PoseCages* all) {
-  const std::span<Part> rest = takeNew<Part>(carver, parts.size());
-  const std::span<glm::mat4> motions = takeNew<glm::mat4>(carver, parts.size());
-  const std::span<glm::mat4> driven = takeNew<glm::mat4>(carver, parts.size());
-  const std::span<bool> is_driven = takeNew<bool>(carver, parts.size());
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const std::span<Knot> knots = takeNew<Knot>(carver, parts[i].knots.size());
-    if (!all) continue;
-    std::copy(parts[i].knots.begin(), parts[i].knots.end(), knots.begin());
-    rest[i] = parts[i];
-    rest[i].name = {};
-    rest[i].knots = knots;
-    rest[i].fog = nullptr;
-    rest[i].cages = {};
-  }
-  if (!all) return;
-  all->rest = rest;
-  all->motions = motions;
-  all->driven = driven;
-  all->is_driven = is_driven;
-}
-
-// Returns the bytes of the block.
-std::uint64_t layAll(std::span<const Part> parts, bool motions, std::byte* block) {
-  Carver carver{block};
-  PoseCages* const all = takeNew<PoseCages>(carver, 1).data();
-  const std::span<NodesInPose> each = takeNew<NodesInPose>(carver, parts.size());
-  if (all) all->parts = each;
-  if (motions) layMotions(parts, carver, all);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const std::span<const Cage> from = parts[i].cages;
-    if (from.empty()) continue;
-    const std::span<CageInPose> cages = takeNew<CageInPose>(carver, from.size());
-    auto* const places = carver.take<std::uint32_t>(from[0].nodes());
-    for (std::size_t c = 0; c < from.size(); ++c) layCage(from[c], carver, block ? &cages[c] : nullptr);
-    if (followsParts(parts[i])) layInfluences(parts[i], parts.size(), carver, block ? &each[i] : nullptr);
-    if (!block) continue;
-    each[i].cages = cages;
-    each[i].places = places;
-    each[i].side = from[0].side;
-    std::copy(from[0].places.begin(), from[0].places.end(), places);
-  }
-  return carver.used;
-}
 
 // Every coordinate of a node must be below this, up to sign.
 float endOfNodes(const glm::ivec3& size) {
@@ -185,18 +87,6 @@ Result<void> sweepSections(std::span<const Knot> knots, const glm::ivec3& size, 
 }
 
 }  // namespace
-
-Result<void> PoseCages::create(std::span<const Part> parts, bool joints, const Allocator& allocator,
-                               Pose& pose) {
-  pose.cages_ = Buffer<std::byte>(allocator);
-  const bool caged = std::any_of(parts.begin(), parts.end(), [](const Part& p) { return !p.cages.empty(); });
-  if (!caged && !joints) return {};
-  const bool motions = joints || std::any_of(parts.begin(), parts.end(), followsParts);
-  if (!pose.cages_.reset(layAll(parts, motions, nullptr)))
-    return Error{ErrorCode::kOutOfMemory, "no memory for the cages of a pose"};
-  layAll(parts, motions, pose.cages_.data());
-  return {};
-}
 
 NodesInPose* PoseCages::of(const Pose& pose, int part) {
   PoseCages* const all = pose.cages();

@@ -79,6 +79,7 @@ struct NodesInPose {
   // If nodes follow parts, of the finest cage: a copy; for each part of the asset, the box at rest of all
   // nodes that follow it, empty if none does, and where it takes them now, both in this part's space.
   std::span<const Influences> influences;
+  std::span<const std::uint16_t> followed, slots;
   std::span<const Box> boxes;
   std::span<glm::mat4> maps;
   bool bent;   // one of these parts bends

@@ -79,6 +79,9 @@ SkinnedBody divideSkinnedPart(SourceModel& model, const Frame& frame, const Sett
   SkinCage made = cageOfSkin(std::exchange(body.soup, {}), skin, frame, *body.grid, settings.cell.value_or(0),
                              levelCount(body.grid->size, settings.levels), threads, progress);
   std::ranges::move(made.notices, std::back_inserter(report.notices));
+  if (settings.bend && !settings.caged)
+    report.notices.push_back(
+        fmt::format("a skin bends as its joints move: --bend {} is left out", toString(*settings.bend)));
   SkinnedBody out{std::move(made.fits), made.cell, std::move(made.cages), std::move(made.influences),
                   jointsOf(skin, body.to_object, report)};
   for (Influences& node : out.influences)

@@ -78,11 +78,6 @@ void checkDistances(const Options& options, const std::string& path, const runti
 // Cages of a solid part: cells as it has them, or else of 8 voxels, or of 16 if that is too many.
 RawCages cagesOf(const std::string& path, const Pack& pack, int index) {
   const Part& part = pack.parts()[static_cast<std::size_t>(index)];
-  if (!part.cages.empty() && !part.cages[0].influences.empty())
-    throw ToolError(Exit::kUnsupported,
-                    fmt::format("{}: --bend: the cage of part {} follows joints, which have "
-                                "no spline; leave --bend out",
-                                path, part.name));
   const int longest = std::max({part.size.x, part.size.y, part.size.z});
   const int cell = !part.cages.empty() ? part.cages[0].side : longest > 8 * kMostCageCells ? 16 : 8;
   if (longest > cell * kMostCageCells)
@@ -151,6 +146,10 @@ Rebent::Rebent(const std::string& path, const Source& source, Bend bend, bool ca
   RawRigs rigs{std::string(pack.infoJson()), {}, rawClips(pack), rawSockets(pack), {}};
   rigs.cages.emplace(pack.parts().size());
   for (const Part& part : pack.parts()) {
+    if (!part.cages.empty() && !part.cages[0].influences.empty())
+      throw ToolError(Exit::kUnsupported,
+                      fmt::format("{}: --bend {}: part {} bends as its joints move; leave --bend out", path,
+                                  toString(bend, caged), part.name));
     if (caged && part.kind == PartKind::kSolid)
       (*rigs.cages)[rigs.parts.size()] = cagesOf(path, pack, static_cast<int>(rigs.parts.size()));
     RawRig& rest = rigs.parts.emplace_back(restRig(part));

@@ -57,6 +57,12 @@ std::vector<bool> keptJoints(const SourceSkin& skin, std::size_t most, std::vect
   const auto needed = static_cast<std::size_t>(std::count(kept.begin(), kept.end(), true));
   if (needed == 0) kept[0] = true;
   if (needed <= most) return kept;
+  // A joint comes before those below it.
+  for (std::size_t j = count; j-- > 0;)
+    if (skin.joints[j].parent >= 0) {
+      double& above = uses[static_cast<std::size_t>(skin.joints[j].parent)];
+      above = std::max(above, uses[j]);
+    }
   std::vector<std::size_t> order;
   for (std::size_t j = 0; j < count; ++j)
     if (kept[j]) order.push_back(j);

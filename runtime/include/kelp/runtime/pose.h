@@ -71,7 +71,8 @@ class Pose {
   // Moves the joints of a skin (asset.pack().joints()) as the host's own animation says: one matrix for each,
   // object at rest -> object now. If M is where your skeleton has a joint, joint space -> object, that is M *
   // inverse_bind. It may scale, shear, mirror and flatten. The joint's parts go there, with all that follows
-  // them; their own motions and their parents' no longer count, until reset(). Copies; allocates nothing.
+  // them; their own motions and their parents' no longer count, until reset(). Nodes that you or a spring
+  // wrote stay where they are: reset() first, as in each frame with clips. Copies; allocates nothing.
   // kMisuse, with nothing changed: the pose does not fit the asset, the number of matrices is not that of its
   // joints, or one is not affine, or has a number that is not finite; `offset` is the index of the joint.
   Result<void> setJoints(const Asset& asset, std::span<const glm::mat4> matrices);

@@ -54,9 +54,9 @@ KELP_API kelp_result kelp_pose_write_nodes(kelp_pose pose, int32_t part, float**
 // Moves the joints of the asset's skin as your own animation says: `count` matrices of 16 floats, one for
 // each joint of kelp_asset_get_joint, meters at rest -> meters now. If M is where your skeleton has a joint,
 // joint space -> meters, that is M * inverse_bind. It may scale, shear, mirror and flatten. Until
-// kelp_pose_reset clips and motions no longer move the joints' parts. KELP_ERROR_MISUSE, with nothing
-// changed: the pose does not fit, `count` is not the number of joints, or a matrix is not affine or has a
-// number that is not finite; the error's offset is the joint.
+// kelp_pose_reset clips and motions no longer move the joints' parts; nodes that were written stay.
+// KELP_ERROR_MISUSE, with nothing changed: the pose does not fit, `count` is not the number of joints, or a
+// matrix is not affine or has a number that is not finite; the error's offset is the joint.
 KELP_API kelp_result kelp_pose_set_joints(kelp_pose pose, kelp_asset asset, const float* matrices,
                                           uint32_t count);
 
