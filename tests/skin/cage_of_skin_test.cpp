@@ -150,6 +150,38 @@ TEST(CageOfSkin, SurfacesThatTouchAreCutWhereTheMeshDoesNotJoinThem) {
   EXPECT_GT(sides[1], 10);
 }
 
+// Two long legs touch, and share their upper corner alone: below, nothing joins their long triangles.
+TEST(CageOfSkin, LongTrianglesJoinOnlyWhereTheyMeet) {
+  SkinnedShape shape;
+  shape.addJoint(-1, {0, 0, 0});
+  shape.addJoint(-1, {2, 0, 0});
+  const std::uint32_t apex = shape.addVertex({1, 8, 0}, {{0, 0.5f}, {1, 0.5f}});
+  for (const std::uint32_t leg : {0u, 1u}) {
+    const double inner = leg == 0 ? 1.03 : 0.97, outer = leg == 0 ? -1.4 : 3.4;
+    std::uint32_t foot[4];
+    for (int k = 0; k < 4; ++k)
+      foot[k] = shape.addVertex({k == 0 || k == 3 ? outer : inner, 0, k < 2 ? -1.2 : 1.2}, {{leg, 1}});
+    if (leg == 1) std::swap(foot[1], foot[3]);
+    for (int k = 0; k < 4; ++k) shape.addTriangle(apex, foot[(k + 1) % 4], foot[k]);
+    shape.addTriangle(foot[0], foot[1], foot[2]);
+    shape.addTriangle(foot[0], foot[2], foot[3]);
+  }
+  shape.finish(64);
+  const SkinCage made = shape.cage(4);
+  const Finest finest(made, shape.whole.size);
+  const int middle = shape.whole.size.x / 2;
+  int sides[2] = {0, 0};
+  for (std::uint32_t n = 0; n < finest.cage.nodes(); ++n) {
+    const glm::ivec3 at = finest.cage.rest(n);
+    if (at.y > 16 || std::abs(at.x - middle) > 4) continue;
+    const double second = weightOf(made.influences[n], 1);
+    ASSERT_LT(std::min(second, 1 - second), 0.3) << at.x << " " << at.y << " " << at.z;
+    ++sides[second > 0.5];
+  }
+  EXPECT_GT(sides[0], 10);
+  EXPECT_GT(sides[1], 10);
+}
+
 TEST(CageOfSkin, CellsAreAsLargeAsTheFitAllows) {
   SkinnedShape still = test::bendingTube(3, 0);
   EXPECT_EQ(still.cage(0).cell, 16);
