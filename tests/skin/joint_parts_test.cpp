@@ -89,6 +89,18 @@ TEST(LimitJoints, TakesThoseThatMoveLeast) {
   EXPECT_EQ(skin.clips[0].turns.size(), skin.clips[0].locals.size());
 }
 
+// What joints without weight above them move does not go to a neighbor.
+TEST(LimitJoints, KeepsTheRoot) {
+  SourceSkin skin = chain({0, 1, 1, 1});
+  skin.joints[2].parent = skin.joints[3].parent = 0;
+  std::vector<std::string> notices;
+  limitJoints(skin, 2, notices);
+  EXPECT_EQ(namesOf(skin), (std::vector<std::string>{"j0", "j1"}));
+  std::vector<int> moved(2, 0);
+  for (const SourceSkin::Influence& influence : skin.influences) ++moved.at(influence.joint);
+  EXPECT_EQ(moved, (std::vector<int>{2, 1}));
+}
+
 TEST(JointSockets, LieInTheBoxesOfTheirJoints) {
   SourceSkin skin = chain({1, 1});
   Frame frame;

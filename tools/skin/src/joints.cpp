@@ -2,6 +2,7 @@
 #include "joints.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -57,12 +58,9 @@ std::vector<bool> keptJoints(const SourceSkin& skin, std::size_t most, std::vect
   const auto needed = static_cast<std::size_t>(std::count(kept.begin(), kept.end(), true));
   if (needed == 0) kept[0] = true;
   if (needed <= most) return kept;
-  // A joint comes before those below it.
-  for (std::size_t j = count; j-- > 0;)
-    if (skin.joints[j].parent >= 0) {
-      double& above = uses[static_cast<std::size_t>(skin.joints[j].parent)];
-      above = std::max(above, uses[j]);
-    }
+  // Roots stay, so that what follows a joint that goes has one above it to follow.
+  for (std::size_t j = 0; j < count; ++j)
+    if (skin.joints[j].parent < 0) uses[j] = std::numeric_limits<double>::infinity();
   std::vector<std::size_t> order;
   for (std::size_t j = 0; j < count; ++j)
     if (kept[j]) order.push_back(j);
