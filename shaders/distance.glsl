@@ -134,7 +134,8 @@ KelpRest kelpRestOfCell(vec3 p, uint cell, KelpRest before) {
     there = x[0] + edges * f;
   }
   float side = float(1u << (KELP_CAGE_WORD(3u) & 31u));
-  float beside = max(distance(p, there) - 1e-3 * side, 0.0);  // within it but for rounding
+  // Rounding may put p outside the cell that holds it.
+  float beside = max(distance(p, there) - 1e-3 * side, 0.0);
   if (!(beside < abs(rest.beside))) return rest;
   uint place = KELP_CAGE_WORD(at);
   rest.at = side * (vec3(float(place & 255u), float((place >> 8u) & 255u), float((place >> 16u) & 255u)) + f);

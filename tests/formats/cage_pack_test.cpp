@@ -61,16 +61,19 @@ TEST(CagePack, ComesBackExactly) {
   }
 }
 
+// True if the writer refuses makeTinyCagePack() with a part spoiled, and writes nothing.
+template <class Spoil>
+bool refusesPart(std::size_t part, const Spoil& spoil) {
+  RawPack pack = test::makeTinyCagePack();
+  spoil(pack.parts[part]);
+  std::vector<std::byte> bytes;
+  const Result<void> written = writePack(pack, Sink::into(bytes));
+  EXPECT_EQ(bytes.empty(), !written);
+  return !written && written.error().code == ErrorCode::kMisuse;
+}
+
 TEST(CagePack, TheWriterRefusesWrongOnes) {
-  const RawPack sound = test::makeTinyCagePack();
-  const auto refuses = [&](auto spoil) {
-    RawPack pack = sound;
-    spoil(pack.parts[2]);
-    std::vector<std::byte> bytes;
-    const Result<void> written = writePack(pack, Sink::into(bytes));
-    EXPECT_TRUE(bytes.empty());
-    return !written && written.error().code == ErrorCode::kMisuse;
-  };
+  const auto refuses = [](auto spoil) { return refusesPart(2, spoil); };
   EXPECT_TRUE(refuses([](RawPart& part) { part.cell = 3; }));
   EXPECT_TRUE(refuses([](RawPart& part) { part.cell = 0; }));
   EXPECT_TRUE(refuses([](RawPart& part) { part.cell = 8; }));
@@ -84,15 +87,7 @@ TEST(CagePack, TheWriterRefusesWrongOnes) {
 }
 
 TEST(CagePack, TheWriterRefusesWrongInfluences) {
-  const RawPack sound = test::makeTinyCagePack();
-  const auto refuses = [&](auto spoil) {
-    RawPack pack = sound;
-    spoil(pack.parts[3]);
-    std::vector<std::byte> bytes;
-    const Result<void> written = writePack(pack, Sink::into(bytes));
-    EXPECT_EQ(bytes.empty(), !written);
-    return !written && written.error().code == ErrorCode::kMisuse;
-  };
+  const auto refuses = [](auto spoil) { return refusesPart(3, spoil); };
   const auto with = [](const Influences& node) {
     return [node](RawPart& part) { part.influences[7] = node; };
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What joints become beside their keys: sockets on their boxes; fewer joints where a pack cannot hold all.
+// Sockets on the boxes of joints; skins with more joints than a pack can hold.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -89,7 +89,7 @@ TEST(LimitJoints, TakesThoseThatMoveLeast) {
   EXPECT_EQ(skin.clips[0].turns.size(), skin.clips[0].locals.size());
 }
 
-// What joints without weight above them move does not go to a neighbor.
+// The root has no weight, and stays: voxels of a joint that goes follow it, and no neighbor.
 TEST(LimitJoints, KeepsTheRoot) {
   SourceSkin skin = chain({0, 1, 1, 1});
   skin.joints[2].parent = skin.joints[3].parent = 0;

@@ -56,7 +56,7 @@ void expectBody(const Baked& baked, const Baked& plain, std::size_t joints) {
   ASSERT_EQ(baked.pack.parts.size(), 1 + joints);
   ASSERT_EQ(baked.pack.joints.size(), joints);
   const RawPart &body = baked.body(), &same = plain.body();
-  // These files' bind poses are their poses at rest, but for rounding.
+  // These files rest in their bind poses, to float precision.
   EXPECT_EQ(body.size, same.size);
   for (int column = 0; column < 4; ++column)
     EXPECT_LT(glm::distance(body.to_object[column], same.to_object[column]),

@@ -145,7 +145,7 @@ class TrackChoice {
   void addTurns(double power, std::vector<Track>& tracks) {
     std::vector<glm::dquat> keys;
     for (const Trs& pose : motion_.poses) keys.push_back(quaternionOfKey(keyOf(pose.rotation, power)));
-    // What is left of the turn: v the sine of half its angle, along its axis.
+    // The rest of the turn; v is its axis, as long as the sine of half its angle.
     const auto off = [&](std::size_t t, const glm::dquat& turned, std::size_t i) {
       const glm::dquat rest = turned * glm::conjugate(motion_.poses[t].rotation);
       const glm::dvec3 v(rest.x, rest.y, rest.z),

@@ -200,8 +200,8 @@ class ClipKeys {
       const glm::dmat4x3* const motions = &motions_[t * count_];
       motion.poses.push_back(poses_[t * count_ + j]);
       motion.spread.push_back(linearOf(parent < 0 ? pivots_[j] : motions[parent] * glm::dmat4(pivots_[j])));
-      // What lies below it, back before it moved. A joint that shrinks all to nothing has it as it was
-      // before.
+      // From where points below the joint are, to the joint at rest. At a moment when the joint shrinks all
+      // to nothing there is no way back: then as at the moment before.
       const bool regular = std::abs(glm::determinant(linearOf(motions[j]))) > kNothing;
       if (regular) back = to_pivots_[j] * glm::dmat4(glm::dmat4x3(glm::inverse(glm::dmat4(motions[j]))));
       for (std::size_t i = 0; i < motion.points; ++i) {

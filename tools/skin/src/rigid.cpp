@@ -99,7 +99,7 @@ glm::dvec3 mirroredAxes(const glm::dmat3& k, const glm::dvec3& lengths, const gl
   return signs;
 }
 
-// Axes that are at right angles, but for what floats leave, as a rotation.
+// The rotation whose axes these are. They are at right angles to float precision.
 bool makeRotation(const glm::dmat3& axes, glm::dmat3& rotation) {
   constexpr double kSquare = 1e-4;
   if (std::abs(glm::dot(axes[0], axes[1])) > kSquare || std::abs(glm::dot(axes[1], axes[2])) > kSquare ||

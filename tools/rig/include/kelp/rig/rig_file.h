@@ -41,7 +41,7 @@ struct RiggedPack {
   // The rig file has a rig for each part: there are several, or kelp-bake was asked for parts of nodes.
   bool by_part = false;
   std::vector<Axis> axes;   // of each part, in the axes of its node
-  bool skinned = false;     // its parts move as a skin does, but for those with a rig from the rig file:
+  bool skinned = false;     // a skin moves its parts; only these have a rig of their own, from a rig file:
   std::vector<bool> given;  // of each part; without a skin, all
 };
 
