@@ -15,7 +15,7 @@ glm::mat4 motionMatrix(const Part& part, const Motion& motion) {
   glm::mat4 trs = glm::mat4_cast(motion.rotation);
   for (int i = 0; i < 3; ++i) trs[i] *= motion.scale[i];
   trs[3] = glm::vec4(motion.translation, 1.0f);
-  return pivot * trs * glm::affineInverse(pivot);
+  return product(product(pivot, trs), glm::affineInverse(pivot));
 }
 
 // The height of a rest point in the deformed part, voxels.
@@ -96,15 +96,15 @@ glm::mat4 PartMotions::of(int part) {
   glm::mat4 motion(1);
   for (int i = part; i >= 0; i = rest_[static_cast<std::size_t>(i)].parent) {
     if (const glm::mat4* const driven = pose_ ? PoseCages::drivenTo(*pose_, i) : nullptr)
-      return *driven * motion;
-    motion = step(i) * motion;
+      return product(*driven, motion);
+    motion = product(step(i), motion);
   }
   return motion;
 }
 
 glm::mat4 PartMotions::below(const glm::mat4& parent, int part) {
   const glm::mat4* const driven = pose_ ? PoseCages::drivenTo(*pose_, part) : nullptr;
-  return driven ? *driven : parent * step(part);
+  return driven ? *driven : product(parent, step(part));
 }
 
 glm::mat4 PartMotions::step(int part) {
@@ -112,7 +112,7 @@ glm::mat4 PartMotions::step(int part) {
   const Part& rest = rest_[static_cast<std::size_t>(part)];
   const Motion& motion = *pose_->motion(part);
   const glm::mat4 own = motion == Motion{} ? glm::mat4(1) : motionMatrix(rest, motion);
-  return hangsOnSpline(rest) ? onSpline(part) * own : own;
+  return hangsOnSpline(rest) ? product(onSpline(part), own) : own;
 }
 
 const glm::mat4& PartMotions::onSpline(int part) {

@@ -6,9 +6,20 @@
 #include <array>
 #include <span>
 
+#include "kelp/simd/lanes.h"
 #include "posed_part.h"
 
 namespace kelp::runtime {
+
+// As a * b.
+inline glm::mat4 product(const glm::mat4& a, const glm::mat4& b) {
+  using simd::Lanes;
+  const Lanes x = Lanes::load(&a[0].x), y = Lanes::load(&a[1].x), z = Lanes::load(&a[2].x),
+              w = Lanes::load(&a[3].x);
+  glm::mat4 both;
+  for (int i = 0; i < 4; ++i) ((x * b[i].x + y * b[i].y) + (z * b[i].z + w * b[i].w)).store(&both[i].x);
+  return both;
+}
 
 // Segment and parameter at a height in rest space, where y = size.y (Sy(t) - Sy(0)) / (Sy(1) - Sy(0)).
 struct SplinePoint {

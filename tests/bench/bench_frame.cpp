@@ -150,9 +150,9 @@ void reportCaged(Report& out, int rounds) {
 }
 
 // Foxes that run and the same ones that stand still.
-void reportFoxes(Report& out, const Foxes& foxes, int rounds) {
+void reportFoxes(Report& out, const Foxes& foxes, const glm::ivec2& size, int rounds) {
   Field still(foxes.still, Foxes::kCount), playing(foxes.playing, Foxes::kCount, foxes.run);
-  const gl::View view = fieldView({0, 0, 10}, {0, 0, 0});
+  const gl::View view = viewOf(size, 1);
   gl::Stats seen[2];
   std::vector<Row> rows;
   const auto addDraw = [&](Field& field, const char* name, gl::Stats& stats) {
@@ -167,9 +167,10 @@ void reportFoxes(Report& out, const Foxes& foxes, int rounds) {
   addDraw(playing, "draw(), running", seen[1]);
   measure(rows, rounds, Foxes::kCount);
   std::printf(
-      "\n%zu foxes: still %u parts drawn, running %u, %u left out\n\n| | ns a fox | over draw(), still "
+      "\n%zu foxes, %d x %d: still %u parts drawn, running %u, %u left out\n\n| | ns a fox | over draw(), "
+      "still "
       "|\n|---|---|---|\n",
-      Foxes::kCount, seen[0].instances, seen[1].instances, seen[1].left_out);
+      Foxes::kCount, size.x, size.y, seen[0].instances, seen[1].instances, seen[1].left_out);
   for (const Row& row : rows) {
     const double ns = median(row.ns), over = ns / median(rows[0].ns);
     std::printf("| %s | %.0f | %.1f |\n", row.name, ns, over);
@@ -273,7 +274,7 @@ int run(int count, char** words) {
     reportSwept(report, rounds);
     reportCaged(report, rounds);
   }
-  if (cpu && foxes) reportFoxes(report, *foxes, rounds);
+  if (cpu && foxes) reportFoxes(report, *foxes, size, rounds);
   if (gl) reportGl(report, foxes.get(), foxes_only, size, std::min(rounds, 3));  // some frames take seconds
   return json && !report.write(json) ? 2 : 0;
 }

@@ -64,16 +64,6 @@ struct Frame {
   std::vector<double> ms{};
 };
 
-gl::View viewOf(const glm::ivec2& size, int batches) {
-  gl::View view;
-  view.camera.viewport = size;
-  view.camera.eye_to_clip =
-      glm::perspective(0.8f, static_cast<float>(size.x) / static_cast<float>(size.y), 0.1f, 200.0f);
-  view.camera.world_to_eye = glm::lookAt(glm::vec3(0, 0, 10), glm::vec3(0), glm::vec3(0, 1, 0));
-  view.quality.depth_batches = batches;
-  return view;
-}
-
 void measure(gl::Renderer& renderer, const Target& target, const glm::ivec2& size, std::vector<Frame>& frames,
              int rounds) {
   for (int round = -1; round < rounds; ++round) {
@@ -104,6 +94,16 @@ void measure(gl::Renderer& renderer, const Target& target, const glm::ivec2& siz
 float halfHeight(float z) { return (10 - z) * std::tan(0.4f); }
 
 }  // namespace
+
+gl::View viewOf(const glm::ivec2& size, int batches) {
+  gl::View view;
+  view.camera.viewport = size;
+  view.camera.eye_to_clip =
+      glm::perspective(0.8f, static_cast<float>(size.x) / static_cast<float>(size.y), 0.1f, 200.0f);
+  view.camera.world_to_eye = glm::lookAt(glm::vec3(0, 0, 10), glm::vec3(0), glm::vec3(0, 1, 0));
+  view.quality.depth_batches = batches;
+  return view;
+}
 
 void tile(Crowd& crowd, std::size_t from, std::size_t count, int columns, int rows, float z) {
   const float height = 2 * halfHeight(z) / static_cast<float>(rows),

@@ -9,6 +9,8 @@
 
 #include <glm/vec2.hpp>
 
+#include "kelp/gl/renderer.h"
+
 namespace kelp::bench {
 
 struct Crowd;
@@ -30,6 +32,9 @@ struct Report {
     return std::fclose(file) == 0;
   }
 };
+
+// A camera at (0, 0, 10) that looks at the origin.
+gl::View viewOf(const glm::ivec2& size, int batches);
 
 // `columns` by `rows` instances that fill 4 by 3 of the view at the plane z, cell by cell; each a meter high
 // at scale 1, and standing on the cell's lower side.

@@ -137,7 +137,7 @@ std::span<const glm::mat4> PoseCages::motionsOf(const Pose& pose) {
       for (std::size_t i = 0; i < nodes.followed.size(); ++i) {
         const std::uint16_t of = nodes.followed[i];
         const bool bent = bends(posedPart(all.rest[of], pose, of));
-        nodes.maps[i] = bent ? glm::mat4(0) : from_object * all.motions[of] * to_object;
+        nodes.maps[i] = bent ? glm::mat4(0) : product(from_object, product(all.motions[of], to_object));
         nodes.bent = nodes.bent || bent;
       }
       nodes.around = nodes.bent ? Box{} : boundsOfMaps(pose, static_cast<int>(body));
@@ -152,22 +152,21 @@ bool PoseCages::follow(const Pose& pose, int part, std::span<const Influences> i
   motionsOf(pose);
   const PoseCages& all = *pose.cages();
   const NodesInPose& in = *of(pose, part);
-  const auto columnOf = [&](std::uint16_t of, int column) {
-    return Lanes::load(&in.maps[in.slots[of]][column].x);
-  };
   const auto scale = static_cast<float>(side);
+  const glm::mat4* const maps = in.maps.data();
+  const std::uint16_t* const slots = in.slots.data();
   // Each node is written with one float more, which the next one overwrites.
   for (std::size_t i = 0; i < influences.size(); ++i) {
     const Influences& its = influences[i];
     const glm::vec3 rest = scale * glm::vec3(latticePoint(places[i]));
+    const Lanes x = rest.x, y = rest.y, z = rest.z;
     Lanes at = 0.0f;
     for (int k = 0; k < 4 && its.weights[k] > 0; ++k) {
-      const std::uint16_t of = its.parts[k];
-      at = at + static_cast<float>(its.weights[k]) / 255.0f *
-                    (columnOf(of, 3) + rest.x * columnOf(of, 0) + rest.y * columnOf(of, 1) +
-                     rest.z * columnOf(of, 2));
+      const float* const map = &maps[slots[its.parts[k]]][0].x;
+      at = at + static_cast<float>(its.weights[k]) * ((Lanes::load(map + 12) + x * Lanes::load(map)) +
+                                                      (y * Lanes::load(map + 4) + z * Lanes::load(map + 8)));
     }
-    at.store(&nodes[i].x);
+    (at * (1.0f / 255)).store(&nodes[i].x);
   }
   for (std::size_t i = 0; i < in.followed.size() && in.bent; ++i) {
     const std::uint16_t of = in.followed[i];

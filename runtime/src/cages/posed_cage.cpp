@@ -49,30 +49,35 @@ struct FourCells {
   unsigned upright[6];
 
   FourCells(const glm::vec3* nodes, const std::uint32_t* const (&cells)[4]) {
-    for (int i = 0; i < 8; ++i) {
-      const float* places[4];
-      for (int lane = 0; lane < 4; ++lane) places[lane] = &nodes[cageNode(cells[lane], i)].x;
-      Lanes unused;
-      loadFours(places, 0, corner[i].x, corner[i].y, corner[i].z, unused);
-    }
-    low = high = corner[0];
-    for (int i = 1; i < 8; ++i) {
-      low = {min(corner[i].x, low.x), min(corner[i].y, low.y), min(corner[i].z, low.z)};
-      high = {max(corner[i].x, high.x), max(corner[i].y, high.y), max(corner[i].z, high.z)};
-    }
+    [&]<int... kCorners>(std::integer_sequence<int, kCorners...>) { (load<kCorners>(nodes, cells), ...); }
+    (std::make_integer_sequence<int, 8>());
     const Lanes3 extent = high - low;
     const Lanes margin = 0x1p-18f * (extent.x * extent.y * extent.z);
     const Lanes3 diagonal = corner[7] - corner[0];
-    for (int t = 0; t < 6; t += 2) {
-      // Tetrahedra t and t + 1 have the edge from corner 0 to corner 2^(t / 2) in common.
-      const Lanes3 normal = cross(diagonal, corner[kCageTetrahedra[t].corners[1]] - corner[0]);
-      for (const int which : {t, t + 1}) {
-        const Lanes det = dot(corner[kCageTetrahedra[which].corners[2]] - corner[0], normal);
-        // Permutations 0, 3 and 4 are even.
-        const bool even = which == 0 || which == 3 || which == 4;
-        upright[which] = lessBits(margin, even ? det : 0.0f - det);
-      }
-    }
+    test<0>(diagonal, margin), test<2>(diagonal, margin), test<4>(diagonal, margin);
+  }
+
+ private:
+  template <int kCorner>
+  void load(const glm::vec3* nodes, const std::uint32_t* const (&cells)[4]) {
+    const float* const places[4] = {
+        &nodes[cageNode(cells[0], kCorner)].x, &nodes[cageNode(cells[1], kCorner)].x,
+        &nodes[cageNode(cells[2], kCorner)].x, &nodes[cageNode(cells[3], kCorner)].x};
+    Lanes3& at = corner[kCorner];
+    Lanes unused;
+    loadFours(places, 0, at.x, at.y, at.z, unused);
+    low = kCorner == 0 ? at : Lanes3{min(at.x, low.x), min(at.y, low.y), min(at.z, low.z)};
+    high = kCorner == 0 ? at : Lanes3{max(at.x, high.x), max(at.y, high.y), max(at.z, high.z)};
+  }
+  // Two tetrahedra that have the edge from corner 0 to corner 2^(k / 2) in common.
+  template <int k>
+  void test(const Lanes3& diagonal, Lanes margin) {
+    const Lanes3 normal = cross(diagonal, corner[kCageTetrahedra[k].corners[1]] - corner[0]);
+    const Lanes first = dot(corner[kCageTetrahedra[k].corners[2]] - corner[0], normal),
+                second = dot(corner[kCageTetrahedra[k + 1].corners[2]] - corner[0], normal);
+    // Permutations 0, 3 and 4 are even.
+    upright[k] = lessBits(margin, k == 2 ? 0.0f - first : first);
+    upright[k + 1] = lessBits(margin, k == 2 ? second : 0.0f - second);
   }
 };
 
