@@ -117,6 +117,19 @@ struct Influences {
   bool operator==(const Influences&) const = default;
 };
 
+// Where a morph target moves a node if its weight is 1.
+struct MovedNode {
+  std::uint32_t node = 0;
+  glm::vec3 offset{0};  // level-0 voxels of the part
+};
+// A morph target. Its weight is the translation along x of an empty part, in pivot units, so clips and poses
+// move it as any part. Nodes go to where the parts that they follow take rest + weight * offset, the sum over
+// all morph targets.
+struct Morph {
+  std::uint32_t part = 0;
+  std::span<const MovedNode> moved;  // ascending
+};
+
 // A cage in memory. The spans lie in memory that the Pack owns, or a CageMemory.
 struct Cage {
   int side = 0;                           // of a cell, level-0 voxels
@@ -130,6 +143,7 @@ struct Cage {
   std::span<const std::uint32_t> follows;
   // One a node; empty: nodes follow no parts, but the part's own spline, or the next finer cage.
   std::span<const Influences> influences;
+  std::span<const Morph> morphs;  // by part; only with influences
   // Cells of the tree's leaves, kLeafCells of each, the first of them first; kCageOutside: none.
   std::span<const std::uint32_t> leaves;
 
@@ -137,8 +151,10 @@ struct Cage {
   std::uint32_t nodes() const { return words[1]; }
   std::uint32_t faces() const { return words[2]; }
   std::uint64_t bytes() const {
-    return words.size_bytes() + places.size_bytes() + follows.size_bytes() + influences.size_bytes() +
-           leaves.size_bytes();
+    std::uint64_t all = words.size_bytes() + places.size_bytes() + follows.size_bytes() +
+                        influences.size_bytes() + leaves.size_bytes();
+    for (const Morph& morph : morphs) all += sizeof(Morph) + morph.moved.size_bytes();
+    return all;
   }
   // kCageCellWords words.
   const std::uint32_t* cell(std::uint32_t i) const { return &words[kCageHeader + kCageCellWords * i]; }

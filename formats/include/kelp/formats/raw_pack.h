@@ -51,6 +51,14 @@ struct RawCage {
   CageSource source() const { return {blocks, masks, split_points, splits, follows}; }
 };
 
+// As Morph (kelp/formats/cage.h), of the finest cage.
+struct RawMorph {
+  std::uint32_t part = 0;
+  float step = 0;                    // level-0 voxels, > 0: the unit of the offsets
+  std::vector<std::uint32_t> nodes;  // ascending strictly
+  std::vector<glm::ivec3> offsets;   // one for each
+};
+
 // Like Fog.
 struct RawFog {
   glm::vec3 color{1};
@@ -79,6 +87,7 @@ struct RawPart {
   std::vector<RawCage> cages;
   // One for each node of the finest cage; none: the nodes go where the part's own spline takes them.
   std::vector<Influences> influences;
+  std::vector<RawMorph> morphs;  // by part, ascending strictly; only with influences
 };
 
 struct RawTrack {
@@ -161,6 +170,7 @@ struct RawCages {
   int cell = 0;
   std::vector<RawCage> cages;
   std::vector<Influences> influences;
+  std::vector<RawMorph> morphs;
 };
 
 // The content that writeRigs replaces in a pack.
