@@ -375,6 +375,8 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "asset_get_socket": (_Handle, c_int32, _p(_Socket)),
     "asset_find_socket": (_Handle, c_char_p, c_int32, _p(c_int32)),
     "asset_get_cage_cells": (_Handle, c_int32, _p(c_uint32), c_uint32, _p(c_uint32)),
+    "asset_get_node_volumes": (_Handle, c_int32, _p(c_float), c_uint32, _p(c_uint32)),
+    "asset_get_node_edges": (_Handle, c_int32, _p(c_uint32), c_uint32, _p(c_uint32)),
     "asset_get_joint": (_Handle, c_int32, _p(_Joint)),
     "asset_find_joint": (_Handle, c_char_p, _p(c_int32)),
     "asset_resident_level": (_Handle, c_int32, c_int32, _p(c_int32)),
@@ -954,6 +956,25 @@ class Asset(_Object):
         _call("asset_get_cage_cells", self._handle, part, cells.ctypes.data_as(_p(c_uint32)), count.value,
               byref(count))
         return cells
+
+    def node_volumes(self, part: int) -> Array:
+        """How much of the solid each node of the part's finest cage carries, level-0 voxels: (n,), whose sum
+        is the number of solid voxels. Error, Result.NOT_YET: level 0 is not in memory. Takes a while."""
+        count = c_uint32()
+        _call("asset_get_node_volumes", self._handle, part, None, 0, byref(count))
+        volumes = np.zeros(count.value, np.float32)
+        _call("asset_get_node_volumes", self._handle, part, _floats(volumes), count.value, byref(count))
+        return volumes
+
+    def node_edges(self, part: int) -> Array:
+        """The pairs of neighboring nodes, the edges of all tetrahedra: (n, 2), each once, ascending. (0, 2)
+        without a cage."""
+        count = c_uint32()
+        _call("asset_get_node_edges", self._handle, part, None, 0, byref(count))
+        edges = np.zeros((count.value, 2), np.uint32)
+        _call("asset_get_node_edges", self._handle, part, edges.ctypes.data_as(_p(c_uint32)), count.value,
+              byref(count))
+        return edges
 
     def find_joint(self, name: str) -> int:
         """The first joint of that name. Error: there is none; the text lists the names."""

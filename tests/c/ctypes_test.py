@@ -193,6 +193,7 @@ class Poses(Column):
         self.assertEqual((0, 3), self.pose.nodes(0).shape)
         self.assertEqual((0, 8), self.asset.cage_cells(0).shape)
         self.assertEqual((0, 3), self.pose.write_nodes(0).shape)
+        self.assertEqual(((0,), (0, 2)), (self.asset.node_volumes(0).shape, self.asset.node_edges(0).shape))
         with kelp.Asset(CAGED) as asset:
             comb, pose = asset.find_part("comb"), kelp.Pose(asset)
             rest = pose.nodes(comb)
@@ -202,6 +203,17 @@ class Poses(Column):
             cells = asset.cage_cells(comb)
             self.assertEqual(set(range(len(rest))), set(cells.ravel()))
             self.assertGreater((rest[cells[:, 7]] - rest[cells[:, 0]]).min(), 1.9)
+            edges = asset.node_edges(comb)
+            self.assertEqual((np.uint32, 2), (edges.dtype, edges.shape[1]))
+            self.assertEqual({(a, b) for cell in cells for i, a in enumerate(cell) for k, b in
+                              enumerate(cell) if i & k == i and i != k} | set(), set(map(tuple, edges)))
+            with self.assertRaises(kelp.Error) as caught:
+                asset.node_volumes(comb)
+            self.assertEqual(kelp.Result.NOT_YET, caught.exception.code)
+            asset.load_all()
+            volumes = asset.node_volumes(comb)
+            self.assertEqual((np.float32, (len(rest),)), (volumes.dtype, volumes.shape))
+            self.assertGreater(volumes.sum(), 8)
             nodes[:, 0] += 5
             self.near(pose.nodes(comb), rest + (5, 0, 0), 0)
             pose.check()

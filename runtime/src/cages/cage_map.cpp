@@ -194,6 +194,11 @@ std::uint32_t cellOfVoxelAt(const Cage& cage, const Asset& asset, int part, cons
 
 }  // namespace
 
+bool isEmptyCube(const Cage& cage, const glm::ivec3& cube) {
+  const CellRange cells = cellsOf(cage, cube);
+  return isInGrid(cage, cube) && cells.first == cells.last;
+}
+
 bool PosedTetrahedron::holds(const glm::dvec3& at) const {
   const glm::dvec3 f = (at - rest) / side;
   const double a = f[kind->axes[0]], b = f[kind->axes[1]], c = f[kind->axes[2]];

@@ -44,6 +44,8 @@ struct NearestPoint {
 NearestPoint nearestPoint(const PosedTetrahedron& tetrahedron, const glm::dvec3& p);
 NearestPoint nearestOfFace(const PosedTetrahedron& tetrahedron, int face, const glm::dvec3& p);
 
+// True if the cube lies in the grid and has no cell.
+bool isEmptyCube(const Cage& cage, const glm::ivec3& cube);
 // The face of a cell, 0 .. 5, in which face 0 or 3 of a tetrahedron lies.
 inline int cellFace(const CageTetrahedron& kind, int face) {
   return face == 0 ? 2 * kind.axes[0] + 1 : 2 * kind.axes[2];
