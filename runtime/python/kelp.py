@@ -316,7 +316,7 @@ _ClosestPointAnswer = _sized("kelp_closest_point_answer", distance=c_float, poin
 _SphereCastAnswer = _sized("kelp_sphere_cast_answer", hit=c_uint32, t=c_float, center=c_float * 3,
                            away=c_float * 3, instance=c_int32, part=c_int32, ran_out=c_uint32)
 _SpringOptions = _sized("kelp_spring_options", frequency=c_float, damping=c_float, reach=c_float,
-                        rooted=c_uint32)
+                        rooted=c_uint32, parts=c_void_p, part_count=c_uint32)
 _GetProcAddress = CFUNCTYPE(c_void_p, c_void_p, c_char_p)
 _Log = CFUNCTYPE(None, c_void_p, c_char_p)
 _RendererOptions = _sized(
@@ -1279,15 +1279,21 @@ def _used(instances: Instances, change: Optional[_Object] = None,
 class Spring(_Object):
     """Springs on the knots of an asset, and on the nodes of parts with cages. Each frame: make the pose
     without the spring, step(), push, add_to(). frequency: Hz; damping: ratio; reach: heights of a part;
-    rooted: the first knot and the lowest nodes are fixed."""
+    rooted: the first knot and the lowest nodes are fixed, or the top of what hangs on a parent by it. parts:
+    those that give way to push_away(), in any order; None: all. Nodes that follow listed parts, joints of a
+    skin, give way by weight."""
 
     _kind = "spring"
 
     def __init__(self, asset: Asset, *, frequency: Optional[float] = None, damping: Optional[float] = None,
-                 reach: Optional[float] = None, rooted: Optional[bool] = None):
+                 reach: Optional[float] = None, rooted: Optional[bool] = None,
+                 parts: Optional[Sequence[int]] = None):
         super().__init__()
+        listed = None if parts is None else (c_int32 * len(parts))(*parts)
         options = _defaults(_SpringOptions, "spring_options", frequency=frequency, damping=damping,
                             reach=reach, rooted=rooted)
+        if listed is not None:
+            options.parts, options.part_count = ctypes.addressof(listed), len(listed)
         _call("spring_create", _of(asset, Asset), byref(options), None, byref(self._handle))
         self._made()
 

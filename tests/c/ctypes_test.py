@@ -263,6 +263,21 @@ class Poses(Column):
         other.assign(self.pose)
         self.near(other.knots(0)["position"][1], (0.25, 1, 0))
 
+    def test_springs_of_listed_parts(self):
+        self.assertEqual(1, kelp.Spring(self.asset, parts=(0, 0)).parts)
+        for parts in ([], [1], [0, -1]):
+            with self.assertRaises(kelp.Error) as caught:
+                kelp.Spring(self.asset, parts=parts)
+            self.assertEqual(kelp.Result.MISUSE, caught.exception.code)
+        with kelp.Asset(CAGED) as asset:
+            comb, pose = asset.find_part("comb"), kelp.Pose(asset)
+            instance = kelp.Instance(asset, pose)
+            middle = kelp.Instance(asset).part_to_world(comb) @ np.append(pose.nodes(comb).mean(0), 1)
+            for listed, gives_way in ((comb, True), (comb - 1, False)):
+                spring = kelp.Spring(asset, rooted=False, parts=[listed])
+                spring.push_away(instance, middle[:3], 0.4)
+                self.assertEqual(gives_way, bool(np.any(spring.node_swings(comb)["offset"])))
+
     def test_spring(self):
         """Undamped, the free end swings as a sine: velocity / (2 pi f) after a quarter of a period."""
         spring = kelp.Spring(self.asset, frequency=1, damping=0, reach=1, rooted=True)

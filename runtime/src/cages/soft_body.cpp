@@ -14,7 +14,8 @@ Result<const Cage*> finestCage(const Asset& asset, int part) {
   const std::span<const Part> parts = asset.pack().parts();
   if (part < 0 || static_cast<std::size_t>(part) >= parts.size())
     return Error{ErrorCode::kMisuse, "there is no part of that index"};
-  return parts[static_cast<std::size_t>(part)].cages.data();
+  const std::span<const Cage> cages = parts[static_cast<std::size_t>(part)].cages;
+  return cages.empty() ? nullptr : &cages[0];
 }
 
 // Shares each solid voxel of a cell among its nodes.
