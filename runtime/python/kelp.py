@@ -1279,7 +1279,7 @@ def _used(instances: Instances, change: Optional[_Object] = None,
 class Spring(_Object):
     """Springs on the knots of an asset, and on the nodes of parts with cages. Each frame: make the pose
     without the spring, step(), push, add_to(). frequency: Hz; damping: ratio; reach: heights of a part;
-    rooted: the first knot and the lowest nodes are fixed, or the top of what hangs on a parent by it. parts:
+    rooted: the first knot and the lowest nodes are fixed; parts with a parent are in any case. parts:
     those that give way to push_away(), in any order; None: all. Nodes that follow listed parts, joints of a
     skin, give way by weight."""
 

@@ -32,7 +32,7 @@ float pointLoad(float at, float load) {
 }
 
 // The way from the end that is fixed to a place of the axis.
-float fromRoot(bool held_at_top, float at) { return held_at_top ? 1 - at : at; }
+float fromRoot(bool from_top, float at) { return from_top ? 1 - at : at; }
 
 // A damped harmonic oscillator after some time: offset = a offset + b velocity, velocity = c offset + d
 // velocity.
@@ -158,6 +158,7 @@ Result<Spring> Spring::create(const Asset& asset, const SpringOptions& options, 
     rest.fog = nullptr;
     rest.cages = {};
     spring.bodies_[i].yields = parts[i].kind != PartKind::kEmpty;
+    spring.bodies_[i].root = options.rooted ? Root::kBottom : Root::kNone;
   }
   if (options.parts)
     if (const Result<void> listed = spring.list(parts, *options.parts, allocator); !listed)
@@ -202,13 +203,14 @@ bool Spring::fits(const Pose& pose) const {
 
 // The share of a push to the free end that a knot gets.
 float Spring::share(const Body& body, std::uint32_t knot) const {
-  return options_.rooted ? evenLoad(fromRoot(body.held_at_top, at_rest_[body.first + knot].at)) : 1.0f;
+  const float at = at_rest_[body.first + knot].at;
+  return body.root == Root::kNone ? 1.0f : evenLoad(fromRoot(body.root == Root::kTop, at));
 }
 
 // The share of its reach that a node has. at: its height in the part, in heights.
 float Spring::shareOfNode(const Body& body, float at) const {
-  const float low = std::clamp(fromRoot(body.held_at_top, at) / kLowestLoad, 0.0f, 1.0f);
-  return options_.rooted ? low * low * (3 - 2 * low) : 1.0f;
+  const float low = std::clamp(fromRoot(body.root == Root::kTop, at) / kLowestLoad, 0.0f, 1.0f);
+  return body.root == Root::kNone ? 1.0f : low * low * (3 - 2 * low);
 }
 
 // Squared amplitude of the undamped swing about the place where the wind holds it.
@@ -312,11 +314,11 @@ void Spring::addTo(const Body& body, std::span<Knot> knots) const {
   };
   // The slope is 0 where the part is fixed.
   glm::vec3 first(0), last(0);
-  if (!options_.rooted || body.held_at_top) {
-    const glm::vec3 next = n > 2 ? inner(1) : options_.rooted ? last : secant(0);
+  if (body.root != Root::kBottom) {
+    const glm::vec3 next = n > 2 ? inner(1) : body.root == Root::kTop ? last : secant(0);
     first = free_end(secant(0), next);
   }
-  if (!options_.rooted || !body.held_at_top) last = free_end(secant(n - 2), n == 2 ? first : inner(n - 2));
+  if (body.root != Root::kTop) last = free_end(secant(n - 2), n == 2 ? first : inner(n - 2));
   for (std::size_t i = 0; i < n; ++i) {
     knots[i].position += swings[i].offset;
     knots[i].tangent += i == 0 ? first : i + 1 == n ? last : inner(i);
@@ -375,10 +377,10 @@ bool Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> 
     if (!allFinite(out)) return round > 0;
     const glm::vec3 normal = glm::normalize(glm::transpose(turn) * direction);
     for (std::uint32_t i = 0; i < body.knots; ++i) {
-      const float weight = options_.rooted
-                               ? pointLoad(fromRoot(body.held_at_top, at_rest_[body.first + i].at),
-                                           fromRoot(body.held_at_top, nearest.at))
-                               : 1.0f;
+      const bool top = body.root == Root::kTop;
+      const float weight = body.root == Root::kNone ? 1.0f
+                                                    : pointLoad(fromRoot(top, at_rest_[body.first + i].at),
+                                                                fromRoot(top, nearest.at));
       if (weight == 0) continue;
       Swing& swing = swings_[body.first + i];
       const glm::vec3 held = share(body, i) * body.lean;

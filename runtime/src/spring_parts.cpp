@@ -80,7 +80,7 @@ Result<void> Spring::pushAway(const Instance& instance, const glm::vec3& center,
     if (!bodies_[i].yields) continue;
     const int part = static_cast<int>(i);
     if (moved && !hangs_.empty()) {
-      with_.reset();
+      if (!instance.pose) with_.reset();
       if (instance.pose && !with_.assign(*instance.pose)) return foreign();
       if (const Result<void> added = addTo(with_); !added) return added;
       with.pose = &with_;
@@ -132,7 +132,7 @@ Result<void> Spring::hang(const Asset& asset, const Allocator& allocator) {
     hang.part = static_cast<int>(i);
     hang.parent = part.parent;
     hang.own = spotOn(hang.part, part.pivot[3]);
-    bodies_[i].held_at_top = 2 * hang.own.rest.y > static_cast<float>(part.size.y);
+    bodies_[i].root = 2 * hang.own.rest.y > static_cast<float>(part.size.y) ? Root::kTop : Root::kBottom;
     const glm::vec3 pivot = part.to_object * glm::vec4(hang.own.rest, 1);
     const bool is_joint = parts[static_cast<std::size_t>(part.parent)].cages.empty();
     const int body = (*followers)[static_cast<std::size_t>(part.parent)];

@@ -110,9 +110,9 @@ CageContact contactOf(const Cage& cage, std::span<const glm::vec3> places, const
   return best;
 }
 
-// The nearest point of the cage's surface that may move. root: 1: the top is fixed, 0: the bottom, -1: none.
+// The nearest point of the cage's surface that may move.
 glm::vec3 nearestWayOut(const Cage& cage, std::span<const glm::vec3> places, const Yielding& yielding,
-                        int root) {
+                        bool bottom_fixed, bool top_fixed) {
   NearestPoint best;
   best.distance = INFINITY;
   for (std::uint32_t i = 0; i < cage.faces(); ++i) {
@@ -121,7 +121,7 @@ glm::vec3 nearestWayOut(const Cage& cage, std::span<const glm::vec3> places, con
     const int face = static_cast<int>(word & 3);
     const bool at_bottom = kind.axes[2] == 1 && face == 3 && cage.place(cell).y == 0,
                at_top = kind.axes[0] == 1 && face == 0 && cage.place(cell).y + 1 == cage.grid.y;
-    if ((root == 0 && at_bottom) || (root == 1 && at_top) || !yielding.holds(cage, cell)) continue;
+    if ((bottom_fixed && at_bottom) || (top_fixed && at_top) || !yielding.holds(cage, cell)) continue;
     glm::dvec3 corners[8];
     for (int k = 0; k < 8; ++k) corners[k] = glm::dvec3(places[cage.node(cell, k)]);
     const NearestPoint nearest =
@@ -251,7 +251,6 @@ Result<bool> Spring::pushNodesAway(Body& body, const Instance& instance, int par
   const bool mirrored = glm::determinant(ball.turn) < 0;
   Yielding yielding{{}, body.least_share};
   if (!node_shares_.empty()) yielding.shares = node_shares_.span().subspan(body.first_node, body.nodes);
-  const int root = !options_.rooted ? -1 : body.held_at_top ? 1 : 0;
   constexpr int kRounds = 8;
   for (int round = 0; round < kRounds; ++round) {
     const CageContact contact = contactOf(cage, places, yielding, mirrored, radius);
@@ -260,7 +259,7 @@ Result<bool> Spring::pushNodesAway(Body& body, const Instance& instance, int par
     glm::vec3 from = contact.at, direction = contact.at;
     float way = radius - contact.distance;
     if (contact.within) {
-      direction = -nearestWayOut(cage, places, yielding, root);
+      direction = -nearestWayOut(cage, places, yielding, body.root == Root::kBottom, body.root == Root::kTop);
       way = radius + glm::length(direction);
       from = glm::vec3(0);
     }

@@ -23,9 +23,9 @@ struct SpringOptions {
   // The farthest that pushes or wind move a knot, or pushes a node, in heights of its part; > 0.
   float reach = 0.6f;
   // True: the first knot of a part is fixed, and the part bends like a beam: the farther from there, the
-  // more. The lowest nodes of its cage are fixed, too. A part whose pivot lies nearer to its top, as an arm
-  // hangs on a shoulder, is fixed there instead if it has a parent. False: nothing is fixed, and all knots
-  // are pushed alike.
+  // more. The lowest nodes of its cage are fixed, too. False: nothing is fixed, and all knots are pushed
+  // alike. A part with a parent is fixed in any case, at the end where its pivot is: an arm that hangs down
+  // at its top.
   bool rooted = true;
   // The parts that give way to pushAway(), in any order; nullopt: all. Of a cage whose nodes follow parts, as
   // a skin's follow joints, list the cage's part, or some that its nodes follow: then each node gives way by
@@ -106,8 +106,9 @@ class Spring {
   Result<void> addTo(Pose& pose) const;
 
  private:
-  struct Body {               // of a part
-    std::uint32_t first = 0;  // the index of its first knot
+  enum class Root : std::uint8_t { kNone, kBottom, kTop };  // the end of a part that is fixed
+  struct Body {                                             // of a part
+    std::uint32_t first = 0;                                // the index of its first knot
     std::uint32_t knots = 0;
     float height = 0;     // voxels
     glm::vec3 middle{0};  // from the spline to the volume's middle line, voxels
@@ -116,9 +117,9 @@ class Spring {
     std::uint32_t nodes = 0;  // of its finest cage
     // All others are at rest: indices from first_node.
     std::uint32_t moved = 0, moved_end = 0;
-    bool held_at_top = false;  // the last knot is fixed, not the first
-    bool yields = true;        // to spheres
-    float least_share = 0;     // of the nodes of cells that spheres meet
+    Root root = Root::kNone;
+    bool yields = true;     // to spheres
+    float least_share = 0;  // of the nodes of cells that spheres meet
   };
   // A place on a part whose frame springs move.
   struct Spot {

@@ -20,7 +20,7 @@ typedef struct kelp_spring_options {
   float damping;     // ratio; 0 swings for ever, 1 returns fastest without overshoot
   float reach;       // the farthest that a knot or node moves, in heights of its part; above 0
   kelp_bool rooted;  // the first knot of a part and its lowest nodes are fixed; the part bends like a beam.
-                     // What hangs on a parent by its top is fixed there instead
+                     // Parts with a parent are fixed in any case, where they hang
   // The parts that give way to kelp_spring_push_away, in any order; null and 0: all. Nodes that follow listed
   // parts (joints of a skin) give way by weight. Copied. KELP_ERROR_MISUSE: no parts, or one that does not
   // exist; the error's offset is its place in the list.
