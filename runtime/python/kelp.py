@@ -316,7 +316,7 @@ _ClosestPointAnswer = _sized("kelp_closest_point_answer", distance=c_float, poin
 _SphereCastAnswer = _sized("kelp_sphere_cast_answer", hit=c_uint32, t=c_float, center=c_float * 3,
                            away=c_float * 3, instance=c_int32, part=c_int32, ran_out=c_uint32)
 _SpringOptions = _sized("kelp_spring_options", frequency=c_float, damping=c_float, reach=c_float,
-                        rooted=c_uint32)
+                        rooted=c_uint32, parts=c_void_p, part_count=c_uint32)
 _GetProcAddress = CFUNCTYPE(c_void_p, c_void_p, c_char_p)
 _Log = CFUNCTYPE(None, c_void_p, c_char_p)
 _RendererOptions = _sized(
@@ -376,6 +376,8 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "asset_find_socket": (_Handle, c_char_p, c_int32, _p(c_int32)),
     "asset_get_cage_cells": (_Handle, c_int32, _p(c_uint32), c_uint32, _p(c_uint32)),
     "asset_get_morphs": (_Handle, c_int32, _p(c_int32), c_uint32, _p(c_uint32)),
+    "asset_get_node_volumes": (_Handle, c_int32, _p(c_float), c_uint32, _p(c_uint32)),
+    "asset_get_node_edges": (_Handle, c_int32, _p(c_uint32), c_uint32, _p(c_uint32)),
     "asset_get_joint": (_Handle, c_int32, _p(_Joint)),
     "asset_find_joint": (_Handle, c_char_p, _p(c_int32)),
     "asset_resident_level": (_Handle, c_int32, c_int32, _p(c_int32)),
@@ -966,6 +968,25 @@ class Asset(_Object):
         _call("asset_get_morphs", self._handle, part, parts, count.value, byref(count))
         return list(parts)
 
+    def node_volumes(self, part: int) -> Array:
+        """How much of the solid each node of the part's finest cage carries, level-0 voxels: (n,), whose sum
+        is the number of solid voxels. Error, Result.NOT_YET: level 0 is not in memory. Takes a while."""
+        count = c_uint32()
+        _call("asset_get_node_volumes", self._handle, part, None, 0, byref(count))
+        volumes = np.zeros(count.value, np.float32)
+        _call("asset_get_node_volumes", self._handle, part, _floats(volumes), count.value, byref(count))
+        return volumes
+
+    def node_edges(self, part: int) -> Array:
+        """The pairs of neighboring nodes, the edges of all tetrahedra: (n, 2), each once, ascending. (0, 2)
+        without a cage."""
+        count = c_uint32()
+        _call("asset_get_node_edges", self._handle, part, None, 0, byref(count))
+        edges = np.zeros((count.value, 2), np.uint32)
+        _call("asset_get_node_edges", self._handle, part, edges.ctypes.data_as(_p(c_uint32)), count.value,
+              byref(count))
+        return edges
+
     def find_joint(self, name: str) -> int:
         """The first joint of that name. Error: there is none; the text lists the names."""
         joint = c_int32()
@@ -1280,15 +1301,21 @@ def _used(instances: Instances, change: Optional[_Object] = None,
 class Spring(_Object):
     """Springs on the knots of an asset, and on the nodes of parts with cages. Each frame: make the pose
     without the spring, step(), push, add_to(). frequency: Hz; damping: ratio; reach: heights of a part;
-    rooted: the first knot and the lowest nodes are fixed."""
+    rooted: the first knot and the lowest nodes are fixed; parts with a parent are in any case. parts:
+    those that give way to push_away(), in any order; None: all. Nodes that follow listed parts, joints of a
+    skin, give way by weight."""
 
     _kind = "spring"
 
     def __init__(self, asset: Asset, *, frequency: Optional[float] = None, damping: Optional[float] = None,
-                 reach: Optional[float] = None, rooted: Optional[bool] = None):
+                 reach: Optional[float] = None, rooted: Optional[bool] = None,
+                 parts: Optional[Sequence[int]] = None):
         super().__init__()
+        listed = None if parts is None else (c_int32 * len(parts))(*parts)
         options = _defaults(_SpringOptions, "spring_options", frequency=frequency, damping=damping,
                             reach=reach, rooted=rooted)
+        if listed is not None:
+            options.parts, options.part_count = ctypes.addressof(listed), len(listed)
         _call("spring_create", _of(asset, Asset), byref(options), None, byref(self._handle))
         self._made()
 

@@ -20,7 +20,6 @@ constexpr float kHighestFrequency = 10000;
 // The lowest height of a load. A beam that is loaded lower would bend beyond all bounds.
 constexpr float kLowestLoad = 0.25f;
 
-bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 float squared(const glm::vec3& v) { return glm::dot(v, v); }
 
 // The deflection at `at` of a beam that is clamped at 0, under an even load, relative to that of its free
@@ -31,6 +30,9 @@ float pointLoad(float at, float load) {
   const float a = std::max(load, kLowestLoad);
   return at < a ? at * at * (3 * a - at) / (2 * a * a * a) : (3 * at - a) / (2 * a);
 }
+
+// The way from the end that is fixed to a place of the axis.
+float fromRoot(bool from_top, float at) { return from_top ? 1 - at : at; }
 
 // A damped harmonic oscillator after some time: offset = a offset + b velocity, velocity = c offset + d
 // velocity.
@@ -100,9 +102,10 @@ Nearest nearestTo(const glm::vec3& point, std::span<const Knot> knots, float hei
 std::uint32_t nodesOf(const Part& part) { return part.cages.empty() ? 0 : part.cages[0].nodes(); }
 
 constexpr Error kNoPart{ErrorCode::kMisuse, "there is no part of that index"};
-Error foreign() { return {ErrorCode::kMisuse, "the spring does not fit this asset or pose"}; }
 
 }  // namespace
+
+Error Spring::foreign() { return {ErrorCode::kMisuse, "the spring does not fit this asset or pose"}; }
 
 Result<Spring> Spring::create(const Asset& asset, const SpringOptions& options, const Allocator& allocator) {
   if (!(options.frequency > 0 && options.frequency <= kHighestFrequency))
@@ -121,14 +124,17 @@ Result<Spring> Spring::create(const Asset& asset, const SpringOptions& options, 
   }
   Spring spring;
   spring.options_ = options;
+  spring.options_.parts.reset();
   spring.omega_ = static_cast<float>(2 * std::numbers::pi * double{options.frequency});
   spring.bodies_ = Buffer<Body>(allocator);
   spring.swings_ = Buffer<Swing>(allocator);
-  spring.at_ = Buffer<float>(allocator);
+  spring.rest_ = Buffer<Part>(allocator);
+  spring.at_rest_ = Buffer<Knot>(allocator);
   spring.node_swings_ = Buffer<Swing>(allocator);
   spring.node_places_ = Buffer<glm::vec3>(allocator);
   // Four floats are read of the last place.
-  if (!spring.bodies_.reset(parts.size()) || !spring.swings_.reset(total) || !spring.at_.reset(total) ||
+  if (!spring.bodies_.reset(parts.size()) || !spring.swings_.reset(total) ||
+      !spring.rest_.reset(parts.size()) || !spring.at_rest_.reset(total) ||
       !spring.node_swings_.reset(nodes) || !spring.node_places_.reset(nodes == 0 ? 0 : most_nodes + 1)) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a spring"};
   }
@@ -143,8 +149,21 @@ Result<Spring> Spring::create(const Asset& asset, const SpringOptions& options, 
                          node,
                          nodesOf(parts[i])};
     node += spring.bodies_[i].nodes;
-    for (const Knot& knot : parts[i].knots) spring.at_[n++] = knot.at;
+    const std::span<Knot> knots = spring.at_rest_.span().subspan(n, parts[i].knots.size());
+    std::copy(parts[i].knots.begin(), parts[i].knots.end(), knots.begin());
+    n += spring.bodies_[i].knots;
+    Part& rest = spring.rest_[i] = parts[i];
+    rest.name = {};
+    rest.knots = knots;
+    rest.fog = nullptr;
+    rest.cages = {};
+    spring.bodies_[i].yields = parts[i].kind != PartKind::kEmpty;
+    spring.bodies_[i].root = options.rooted ? Root::kBottom : Root::kNone;
   }
+  if (options.parts)
+    if (const Result<void> listed = spring.list(parts, *options.parts, allocator); !listed)
+      return listed.error();
+  if (const Result<void> hung = spring.hang(asset, allocator); !hung) return hung.error();
   return spring;
 }
 
@@ -184,13 +203,14 @@ bool Spring::fits(const Pose& pose) const {
 
 // The share of a push to the free end that a knot gets.
 float Spring::share(const Body& body, std::uint32_t knot) const {
-  return options_.rooted ? evenLoad(at_[body.first + knot]) : 1.0f;
+  const float at = at_rest_[body.first + knot].at;
+  return body.root == Root::kNone ? 1.0f : evenLoad(fromRoot(body.root == Root::kTop, at));
 }
 
 // The share of its reach that a node has. at: its height in the part, in heights.
-float Spring::shareOfNode(float at) const {
-  const float low = std::min(at / kLowestLoad, 1.0f);
-  return options_.rooted ? low * low * (3 - 2 * low) : 1.0f;
+float Spring::shareOfNode(const Body& body, float at) const {
+  const float low = std::clamp(fromRoot(body.root == Root::kTop, at) / kLowestLoad, 0.0f, 1.0f);
+  return body.root == Root::kNone ? 1.0f : low * low * (3 - 2 * low);
 }
 
 // Squared amplitude of the undamped swing about the place where the wind holds it.
@@ -212,7 +232,7 @@ void Spring::limit(Swing& swing, const glm::vec3& held, float reach, float energ
 
 Result<void> Spring::push(int part, const glm::vec3& velocity) {
   if (part < 0 || part >= parts()) return kNoPart;
-  if (!isFinite(velocity)) return Error{ErrorCode::kMisuse, "a push is not finite"};
+  if (!allFinite(velocity)) return Error{ErrorCode::kMisuse, "a push is not finite"};
   const Body& body = bodies_[static_cast<std::size_t>(part)];
   // So that squares do not overflow. limit() cuts more than this anyway.
   const float most = 4 * omega_ * options_.reach;
@@ -229,7 +249,7 @@ Result<void> Spring::push(int part, const glm::vec3& velocity) {
 
 Result<void> Spring::setWind(int part, const glm::vec3& acceleration) {
   if (part < 0 || part >= parts()) return kNoPart;
-  if (!isFinite(acceleration)) return Error{ErrorCode::kMisuse, "wind is not finite"};
+  if (!allFinite(acceleration)) return Error{ErrorCode::kMisuse, "wind is not finite"};
   Body& body = bodies_[static_cast<std::size_t>(part)];
   const double reach = options_.reach;
   const glm::dvec3 lean = glm::dvec3(acceleration) / (double{omega_} * double{omega_});
@@ -244,7 +264,7 @@ Result<glm::vec3> Spring::fromWorld(const Instance& instance, int part, const gl
   if (part < 0 || part >= parts()) return kNoPart;
   const glm::mat3 to_part = glm::inverse(glm::mat3(matrixOf(instance, part)));
   const glm::vec3 mapped = to_part * vector / bodies_[static_cast<std::size_t>(part)].height;
-  if (!isFinite(mapped))
+  if (!allFinite(mapped))
     return Error{ErrorCode::kMisuse, "a world vector is not finite, or the part has no extent in the world"};
   return mapped;
 }
@@ -292,9 +312,13 @@ void Spring::addTo(const Body& body, std::span<Knot> knots) const {
   const auto free_end = [](const glm::vec3& slope, const glm::vec3& other) {
     return 0.5f * (3.0f * slope - other);
   };
-  glm::vec3 first(0);
-  if (!options_.rooted) first = n == 2 ? secant(0) : free_end(secant(0), inner(1));
-  const glm::vec3 last = free_end(secant(n - 2), n == 2 ? first : inner(n - 2));
+  // The slope is 0 where the part is fixed.
+  glm::vec3 first(0), last(0);
+  if (body.root != Root::kBottom) {
+    const glm::vec3 next = n > 2 ? inner(1) : body.root == Root::kTop ? last : secant(0);
+    first = free_end(secant(0), next);
+  }
+  if (body.root != Root::kTop) last = free_end(secant(n - 2), n == 2 ? first : inner(n - 2));
   for (std::size_t i = 0; i < n; ++i) {
     knots[i].position += swings[i].offset;
     knots[i].tangent += i == 0 ? first : i + 1 == n ? last : inner(i);
@@ -303,41 +327,25 @@ void Spring::addTo(const Body& body, std::span<Knot> knots) const {
 
 Result<void> Spring::addTo(Pose& pose) const {
   if (!fits(pose)) return foreign();
+  beforeKnots(pose);
   for (int part = 0; part < parts(); ++part)
     addTo(bodies_[static_cast<std::size_t>(part)], PoseWriter::knots(pose, part));
   pose.clamp();
+  beforeNodes(pose);
   bool moved = false;
   for (int part = 0; part < parts(); ++part)
     moved |= addToNodes(bodies_[static_cast<std::size_t>(part)], part, pose);
   if (moved) pose.clamp();
+  follow(pose);
   return {};
 }
 
-Result<void> Spring::pushAway(const Instance& instance, const glm::vec3& center, float radius) {
-  if (!instance.asset || !fits(*instance.asset) || (instance.pose && !fits(*instance.pose))) return foreign();
-  if (!isFinite(center) || !std::isfinite(radius)) return Error{ErrorCode::kMisuse, "a sphere is not finite"};
-  if (!(radius > 0)) return {};
-  const std::span<const Part> parts = instance.asset->pack().parts();
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const std::span<const Knot> pose =
-        instance.pose ? instance.pose->knots(static_cast<int>(i)) : parts[i].knots;
-    if (!parts[i].cages.empty()) {
-      const Result<void> pushed = pushNodesAway(bodies_[i], instance, static_cast<int>(i), center, radius);
-      if (!pushed) return pushed;
-      continue;
-    }
-    if (pose.size() < 2) continue;
-    pushAway(bodies_[i], parts[i], pose, matrixOf(instance, static_cast<int>(i)), center, radius);
-  }
-  return {};
-}
-
-void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> pose,
+bool Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> pose,
                       const glm::mat4& to_world, const glm::vec3& center, float radius) {
   const glm::mat3 turn(to_world);
   const glm::mat3 to_part = glm::inverse(turn);
   // The part has no extent.
-  if (!isFinite(to_part[0]) || !isFinite(to_part[1]) || !isFinite(to_part[2])) return;
+  if (!allFinite(to_part[0]) || !allFinite(to_part[1]) || !allFinite(to_part[2])) return false;
   // An upper bound of how much a vector grows.
   const float scale = std::sqrt(squared(turn[0]) + squared(turn[1]) + squared(turn[2]));
   // The contact moves less than the knots do, so repeat until the part is outside.
@@ -356,19 +364,23 @@ void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> 
         box.add(box.max + reach);
       }
       const glm::vec3 middle(to_world * glm::vec4(0.5f * (box.min + box.max), 1));
-      if (!(glm::distance(middle, center) <= radius + 0.5f * scale * glm::distance(box.min, box.max))) return;
+      if (!(glm::distance(middle, center) <= radius + 0.5f * scale * glm::distance(box.min, box.max)))
+        return false;
     }
     const Nearest nearest = nearestTo(center, knots, body.height, body.middle, to_world);
-    if (!(nearest.distance < 0.999f * radius)) return;
+    if (!(nearest.distance < 0.999f * radius)) return round > 0;
     const glm::vec3 direction =
         nearest.distance > 1e-6f * radius ? nearest.from / nearest.distance : glm::normalize(turn[0]);
     // limit() would cut more than this anyway.
     const float most = 4 * scale * options_.reach * body.height;
     const glm::vec3 out = to_part * (std::min(radius - nearest.distance, most) * direction) / body.height;
-    if (!isFinite(out)) return;
+    if (!allFinite(out)) return round > 0;
     const glm::vec3 normal = glm::normalize(glm::transpose(turn) * direction);
     for (std::uint32_t i = 0; i < body.knots; ++i) {
-      const float weight = options_.rooted ? pointLoad(at_[body.first + i], nearest.at) : 1.0f;
+      const bool top = body.root == Root::kTop;
+      const float weight = body.root == Root::kNone ? 1.0f
+                                                    : pointLoad(fromRoot(top, at_rest_[body.first + i].at),
+                                                                fromRoot(top, nearest.at));
       if (weight == 0) continue;
       Swing& swing = swings_[body.first + i];
       const glm::vec3 held = share(body, i) * body.lean;
@@ -378,6 +390,7 @@ void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> 
       limit(swing, held, options_.reach * share(body, i), before);
     }
   }
+  return true;
 }
 
 }  // namespace kelp::runtime

@@ -12,15 +12,18 @@ import dulse  # noqa: E402
 import fish  # noqa: E402
 import fusilier  # noqa: E402
 import glb  # noqa: E402
+import jelly  # noqa: E402
 import kelp_plant  # noqa: E402
 import octopus  # noqa: E402
 import orange  # noqa: E402
+import plate  # noqa: E402
 import sea_grass  # noqa: E402
 import seabed  # noqa: E402
 import tentacle  # noqa: E402
 
 MODELS = {"kelp_plant": kelp_plant, "sea_grass": sea_grass, "dulse": dulse, "orange": orange, "fish": fish,
-          "fusilier": fusilier, "tentacle": tentacle, "octopus": octopus, "seabed": seabed}
+          "fusilier": fusilier, "tentacle": tentacle, "octopus": octopus, "seabed": seabed, "jelly": jelly,
+          "plate": plate}
 
 
 def main(arguments):

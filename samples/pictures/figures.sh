@@ -33,7 +33,7 @@ step "packages (minutes, the first time)" tools/setup.sh
 step "the encoder of the moving picture" tools/setup.sh pictures
 step "configure" cmake --preset release
 step "build (minutes, the first time)" cmake --build --preset release --target \
-  kelp-bake kelp-dump kelp-render kelp-view collider mirror underwater
+  kelp-bake kelp-dump kelp-render kelp-view collider jelly mirror underwater
 step "make the models" python3 -B samples/models/make_models.py "$out/models"
 printf '  bake, render and lay out\n' >&2
 python3 -B samples/pictures/rigs.py --bin "$bin" --out "$out"

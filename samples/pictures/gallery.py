@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: MIT
 """Draws what GALLERY.md shows besides the other sheets: looks.png, light.png, fog.png, texture.png,
 slices.png and, where there is an X server (Xvfb), what the programs with a window show: collider.png,
-mirror.png, underwater.png and kelp_view.png.
+mirror.png, jelly.png, underwater.png and kelp_view.png.
 
 python3 samples/pictures/gallery.py --bin build/release/bin --models samples/out/models --out samples/out/g
-(programs: kelp-bake, kelp-dump, kelp-render, and for the windows collider, mirror, underwater, kelp-view)
+(programs: kelp-bake, kelp-dump, kelp-render, and for the windows collider, jelly, mirror, underwater,
+kelp-view)
 """
 
 import json
@@ -209,23 +210,42 @@ def windows(studio):
         "underwater": ("underwater", options.out, "--size", "800x450", "--start", "2", "--frames", "1"),
         "kelp_view": ("kelp-view", "--edit", plant, "--frames", "12"),
     }
-    made = []
-    for name, (program, *words) in shown.items():
-        path = os.path.join(options.bin, program)
-        if not os.path.exists(path):
-            print("gallery.py: %s is not built, so %s.png is left out" % (path, name), file=sys.stderr)
-            continue
-        picture = studio.path(name + ".ppm")
-        done = subprocess.run(["bash", os.path.join(HERE, "../../tests/samples/with_display.sh"), path,
-                               *words, picture], capture_output=True, text=True, check=False)
-        if done.returncode or "SKIPPED" in done.stdout:
-            print("gallery.py: %s.png is left out: %s" % (name, (done.stderr or done.stdout).strip()),
-                  file=sys.stderr)
-            continue
-        subprocess.run([sys.executable, "-B", os.path.join(HERE, "ppm_to_png.py"), picture,
-                        studio.path(name + ".png")], check=True)
-        made.append(name)
-    return made
+    made = [name for name, (program, *words) in shown.items() if window(studio, name, program, *words)]
+    return made + ["jelly"] if jelly(studio) else made
+
+
+def jelly(studio):
+    """It falls, lands, and stands. False: it cannot be drawn."""
+    packs = [studio.bake(os.path.join(studio.options.models, name + ".glb"), name, *more)
+             for name, *more in (("jelly", "--resolution", 64, "--bend", "cage", "--cell", 8),
+                                 ("plate", "--resolution", 160))]
+    moments = ["jelly.%d" % frame for frame in (8, 17, 240)]
+    if not all(window(studio, name, "jelly", *packs, "--frames", name[6:]) for name in moments):
+        return False
+    tiles = [png.read(studio.path(name + ".png")) for name in moments]
+    sheet = png.Picture(3 * tiles[0].width, tiles[0].height)
+    for i, tile in enumerate(tiles):
+        sheet.paste(tile, i * tile.width, 0)
+    png.write(studio.path("jelly.png"), sheet)
+    return True
+
+
+def window(studio, name, program, *words):
+    """Draws NAME.png, what a program's window shows. False, which is said: it cannot."""
+    path = os.path.join(studio.options.bin, program)
+    if not os.path.exists(path):
+        print("gallery.py: %s is not built, so %s.png is left out" % (path, name), file=sys.stderr)
+        return False
+    picture = studio.path(name + ".ppm")
+    done = subprocess.run(["bash", os.path.join(HERE, "../../tests/samples/with_display.sh"), path,
+                           *words, picture], capture_output=True, text=True, check=False)
+    if done.returncode or "SKIPPED" in done.stdout:
+        print("gallery.py: %s.png is left out: %s" % (name, (done.stderr or done.stdout).strip()),
+              file=sys.stderr)
+        return False
+    subprocess.run([sys.executable, "-B", os.path.join(HERE, "ppm_to_png.py"), picture,
+                    studio.path(name + ".png")], check=True)
+    return True
 
 
 SHEETS = {"looks": looks, "light": light, "fog": fog, "texture": texture, "slices": slices}

@@ -59,6 +59,10 @@ const Call kAssetCalls[] = {
     {"cage_cells",
      [](const Handles& h) { return kelp_asset_get_cage_cells(h.asset, 0, nullptr, 0, &count); }},
     {"morphs", [](const Handles& h) { return kelp_asset_get_morphs(h.asset, 0, nullptr, 0, &count); }},
+    {"node_volumes",
+     [](const Handles& h) { return kelp_asset_get_node_volumes(h.asset, 0, nullptr, 0, &count); }},
+    {"node_edges",
+     [](const Handles& h) { return kelp_asset_get_node_edges(h.asset, 0, nullptr, 0, &count); }},
     {"find_clip", [](const Handles& h) { return kelp_asset_find_clip(h.asset, "sway", &number); }},
     {"find_part", [](const Handles& h) { return kelp_asset_find_part(h.asset, "stem", &number); }},
     {"wave", [](const Handles& h) { return kelp_asset_get_wave(h.asset, 0, 0, out<kelp_wave>()); }},
@@ -320,8 +324,10 @@ TEST_F(CBadInput, SizesOfStructs) {
   expectSizes("level", sized<kelp_level>(), [a](kelp_level* s) { return kelp_asset_get_level(a, 0, 0, s); });
   expectSizes("distance level", sized<kelp_distance_level>(),
               [a](kelp_distance_level* s) { return kelp_asset_get_distance_level(a, 0, 0, s); });
-  expectSizes("spring settings", sized<kelp_spring_options>(),
-              [](kelp_spring_options* s) { return kelp_spring_options_defaults(s); });
+  expectSizes(
+      "spring settings", sized<kelp_spring_options>(),
+      [](kelp_spring_options* s) { return kelp_spring_options_defaults(s); },
+      offsetof(kelp_spring_options, rooted) + sizeof(kelp_bool));
   expectSizes("config", sized<kelp_renderer_options>(),
               [](kelp_renderer_options* s) { return kelp_renderer_options_defaults(s); });
   expectSizes("planner options", sized<kelp_planner_options>(),

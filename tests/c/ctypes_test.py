@@ -219,6 +219,7 @@ class Poses(Column):
         self.assertEqual((0, 3), self.pose.nodes(0).shape)
         self.assertEqual((0, 8), self.asset.cage_cells(0).shape)
         self.assertEqual((0, 3), self.pose.write_nodes(0).shape)
+        self.assertEqual(((0,), (0, 2)), (self.asset.node_volumes(0).shape, self.asset.node_edges(0).shape))
         with kelp.Asset(CAGED) as asset:
             comb, pose = asset.find_part("comb"), kelp.Pose(asset)
             rest = pose.nodes(comb)
@@ -228,6 +229,17 @@ class Poses(Column):
             cells = asset.cage_cells(comb)
             self.assertEqual(set(range(len(rest))), set(cells.ravel()))
             self.assertGreater((rest[cells[:, 7]] - rest[cells[:, 0]]).min(), 1.9)
+            edges = asset.node_edges(comb)
+            self.assertEqual((np.uint32, 2), (edges.dtype, edges.shape[1]))
+            self.assertEqual({(a, b) for cell in cells for i, a in enumerate(cell) for k, b in
+                              enumerate(cell) if i & k == i and i != k} | set(), set(map(tuple, edges)))
+            with self.assertRaises(kelp.Error) as caught:
+                asset.node_volumes(comb)
+            self.assertEqual(kelp.Result.NOT_YET, caught.exception.code)
+            asset.load_all()
+            volumes = asset.node_volumes(comb)
+            self.assertEqual((np.float32, (len(rest),)), (volumes.dtype, volumes.shape))
+            self.assertGreater(volumes.sum(), 8)
             nodes[:, 0] += 5
             self.near(pose.nodes(comb), rest + (5, 0, 0), 0)
             pose.check()
@@ -276,6 +288,21 @@ class Poses(Column):
         self.near(other.knots(0)["position"][1], (0.125, 1, 0))
         other.assign(self.pose)
         self.near(other.knots(0)["position"][1], (0.25, 1, 0))
+
+    def test_springs_of_listed_parts(self):
+        self.assertEqual(1, kelp.Spring(self.asset, parts=(0, 0)).parts)
+        for parts in ([], [1], [0, -1]):
+            with self.assertRaises(kelp.Error) as caught:
+                kelp.Spring(self.asset, parts=parts)
+            self.assertEqual(kelp.Result.MISUSE, caught.exception.code)
+        with kelp.Asset(CAGED) as asset:
+            comb, pose = asset.find_part("comb"), kelp.Pose(asset)
+            instance = kelp.Instance(asset, pose)
+            middle = kelp.Instance(asset).part_to_world(comb) @ np.append(pose.nodes(comb).mean(0), 1)
+            for listed, gives_way in ((comb, True), (comb - 1, False)):
+                spring = kelp.Spring(asset, rooted=False, parts=[listed])
+                spring.push_away(instance, middle[:3], 0.4)
+                self.assertEqual(gives_way, bool(np.any(spring.node_swings(comb)["offset"])))
 
     def test_spring(self):
         """Undamped, the free end swings as a sine: velocity / (2 pi f) after a quarter of a period."""

@@ -300,6 +300,99 @@ TEST(CPose, CellsAreCubesOfNodes) {
     EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_get_cage_cells(assets.c, part, nullptr, 0, &count));
 }
 
+TEST(CPose, VolumesAndEdgesOfNodesAreThoseOfCpp) {
+  const BothAssets assets(packFile("cage"));
+  int caged = 0;
+  for (int part = 0; part < 3; ++part) {
+    SCOPED_TRACE(part);
+    const auto& cages = assets.cpp->pack().parts()[static_cast<std::size_t>(part)].cages;
+    std::vector<float> expected(cages.empty() ? 0 : cages[0].nodes()), volumes(expected.size() + 1, -7.0f);
+    runtime::nodeVolumes(*assets.cpp, part, expected).value();
+    std::uint32_t count = 0;
+    ASSERT_KELP(kelp_asset_get_node_volumes(assets.c, part, nullptr, 0, &count));
+    ASSERT_EQ(expected.size(), count);
+    ASSERT_KELP(kelp_asset_get_node_volumes(assets.c, part, volumes.data(), count, &count));
+    EXPECT_EQ(volumes.back(), -7);
+    volumes.pop_back();
+    EXPECT_EQ(volumes, expected);
+    const Buffer<runtime::NodeEdge> edges = runtime::nodeEdges(*assets.cpp, part).value();
+    std::vector<std::uint32_t> pairs(2 * edges.size() + 1, 77);
+    ASSERT_KELP(kelp_asset_get_node_edges(assets.c, part, pairs.data(), 0, &count));
+    ASSERT_EQ(edges.size(), count);
+    ASSERT_KELP(kelp_asset_get_node_edges(assets.c, part, pairs.data(), count, &count));
+    EXPECT_EQ(pairs.back(), 77u);
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      EXPECT_EQ(pairs[2 * i], edges[i].a);
+      EXPECT_EQ(pairs[2 * i + 1], edges[i].b);
+    }
+    if (!cages.empty()) {
+      ++caged;
+      volumes.assign(volumes.size(), -7);
+      ASSERT_KELP(kelp_asset_get_node_volumes(assets.c, part, volumes.data(), 1, &count));
+      EXPECT_EQ(volumes[0], expected[0]);
+      EXPECT_EQ(volumes[1], -7);
+    }
+    EXPECT_KELP(KELP_ERROR_NULL, kelp_asset_get_node_volumes(assets.c, part, nullptr, 1, &count));
+    EXPECT_KELP(KELP_ERROR_NULL, kelp_asset_get_node_volumes(assets.c, part, nullptr, 0, nullptr));
+    EXPECT_KELP(KELP_ERROR_NULL, kelp_asset_get_node_edges(assets.c, part, nullptr, 1, &count));
+    EXPECT_KELP(KELP_ERROR_NULL, kelp_asset_get_node_edges(assets.c, part, nullptr, 0, nullptr));
+  }
+  EXPECT_GT(caged, 0);
+  std::uint32_t count = 0;
+  for (const std::int32_t part : {-1, 9}) {
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_get_node_volumes(assets.c, part, nullptr, 0, &count));
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_get_node_edges(assets.c, part, nullptr, 0, &count));
+  }
+  kelp_asset unread = {};
+  ASSERT_KELP(kelp_asset_open_file(packFile("cage").c_str(), nullptr, &unread));
+  float volume = 0;
+  EXPECT_KELP(KELP_ERROR_NOT_YET, kelp_asset_get_node_volumes(unread, 2, &volume, 1, &count));
+  EXPECT_KELP(KELP_OK, kelp_asset_destroy(unread));
+}
+
+TEST(CSpring, OnlyListedPartsGiveWay) {
+  constexpr std::uint32_t kFirstSize = 20;
+  const BothAssets assets(packFile("distance"));
+  const BothInstances instances(assets);
+  const glm::vec3 player = toWorld(instances.cpp[1], 0, {1, 20, 1}).value();
+  for (const std::vector<std::int32_t>& list : {std::vector<std::int32_t>{0}, {1}, {1, 0}}) {
+    auto options = sized<kelp_spring_options>();
+    ASSERT_KELP(kelp_spring_options_defaults(&options));
+    EXPECT_EQ(options.parts, nullptr);
+    EXPECT_EQ(options.part_count, 0u);
+    options.parts = list.data();
+    options.part_count = static_cast<std::uint32_t>(list.size());
+    kelp_spring spring = {};
+    ASSERT_KELP(kelp_spring_create(assets.c, &options, nullptr, &spring));
+    runtime::SpringOptions same;
+    same.parts = list;
+    runtime::Spring cpp = runtime::Spring::create(*assets.cpp, same).value();
+    ASSERT_KELP(kelp_spring_push_away(spring, &instances.c[1], &player.x, 3));
+    cpp.pushAway(instances.cpp[1], player, 3).value();
+    for (int part = 0; part < 2; ++part) {
+      std::array<kelp_swing, 64> swings = {};
+      std::uint32_t count = 0;
+      ASSERT_KELP(kelp_spring_get_swings(spring, part, swings.data(), 64, &count));
+      for (std::size_t k = 0; k < count; ++k)
+        expectSame(swings[k].offset, cpp.knots(part)[k].offset, "offset");
+    }
+    EXPECT_EQ(glm::length(cpp.knots(0)[2].offset) > 0, list != std::vector<std::int32_t>{1});
+    EXPECT_KELP(KELP_OK, kelp_spring_destroy(spring));
+    options.part_count = 0;
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_spring_create(assets.c, &options, nullptr, &spring));
+    const std::int32_t absent[] = {0, 9};
+    options.parts = absent;
+    options.part_count = 2;
+    EXPECT_KELP(KELP_ERROR_MISUSE, kelp_spring_create(assets.c, &options, nullptr, &spring));
+    EXPECT_EQ(lastError().offset, 1u);
+    options.parts = nullptr;
+    EXPECT_KELP(KELP_ERROR_NULL, kelp_spring_create(assets.c, &options, nullptr, &spring));
+    options.struct_size = kFirstSize;  // of the first version
+    ASSERT_KELP(kelp_spring_create(assets.c, &options, nullptr, &spring));
+    EXPECT_KELP(KELP_OK, kelp_spring_destroy(spring));
+  }
+}
+
 TEST(CSpring, PushesNodesAsInCpp) {
   constexpr int kComb = 2;
   const BothAssets assets(packFile("cage"));

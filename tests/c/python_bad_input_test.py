@@ -435,7 +435,8 @@ class Arguments(BadInput):
                      lambda: self.pose.add_clip(0, "1"), lambda: self.spring.step(None),
                      lambda: kelp.Asset(5), lambda: kelp.Asset(PACK, max_parts=1.5),
                      lambda: kelp.raycast([self.plant, None], ZERO, ZERO), lambda: kelp.Pose(self.pose),
-                     lambda: kelp.Spring("asset"), lambda: self.pose.assign(self.asset),
+                     lambda: kelp.Spring("asset"), lambda: kelp.Spring(self.asset, parts=[0.5]),
+                     lambda: kelp.Spring(self.asset, parts=0), lambda: self.pose.assign(self.asset),
                      lambda: self.spring.add_to(self.plant), lambda: self.asset.find_clip(3),
                      lambda: kelp.Instance(self.pose).bounds(), lambda: kelp.Renderer(5),
                      lambda: kelp.Instance(self.asset, self.asset).bounds()):

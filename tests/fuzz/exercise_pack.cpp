@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
+#include <vector>
 
 #include "exercise_renderer.h"
 #include "input_folder.h"
@@ -12,6 +14,7 @@
 #include "kelp/formats/verify.h"
 #include "kelp/runtime/distance.h"
 #include "kelp/runtime/instance.h"
+#include "kelp/runtime/soft_body.h"
 #include "kelp/runtime/spring.h"
 #include "raw_of_pack.h"
 
@@ -110,6 +113,11 @@ void playAndAsk(runtime::Asset& asset, std::uint64_t choice) {
           if (!std::isfinite(swing.offset[i]) || !std::isfinite(swing.velocity[i])) std::abort();
     }
     if (spring && spring->addTo(*pose)) pose->clamp();
+    for (int part = 0; part < pose->parts(); ++part) {
+      std::vector<float> volumes(std::as_const(*pose).nodes(part).size());
+      if (!runtime::nodeEdges(asset, part)) std::abort();
+      static_cast<void>(runtime::nodeVolumes(asset, part, volumes));
+    }
   }
   instance.pose = &*pose;
   const float scale = kScales[choice / 256 % 4];

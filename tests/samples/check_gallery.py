@@ -14,7 +14,7 @@ DRAWN = {
     "skins.py": ("octopus.png",),
     "rigs.py": ("rig_knots.png", "rig_clips.png"),
     "gallery.py": ("looks.png", "light.png", "fog.png", "texture.png", "slices.png", "collider.png",
-                   "mirror.png", "underwater.png", "kelp_view.png"),
+                   "mirror.png", "jelly.png", "underwater.png", "kelp_view.png"),
 }
 MOST_BYTES = 1 << 20  # of the moving picture: a page that loads
 

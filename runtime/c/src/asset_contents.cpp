@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Assets: what is in them.
 #include "kelp/runtime/level.h"
+#include "kelp/runtime/soft_body.h"
 #include "objects.h"
 
 namespace kelp::c {
@@ -218,6 +219,39 @@ kelp_result kelp_asset_get_morphs(kelp_asset asset, int32_t part, int32_t* morph
   *count = static_cast<std::uint32_t>(all.size());
   for (const kelp::Morph& morph : all.first(std::min<std::size_t>(capacity, all.size())))
     *morphs++ = static_cast<std::int32_t>(morph.part);
+  return KELP_OK;
+}
+
+kelp_result kelp_asset_get_node_volumes(kelp_asset asset, int32_t part, float* volumes, uint32_t capacity,
+                                        uint32_t* count) {
+  const Pinned<AssetObject> object(asset.id);
+  if (!object) return object.bad();
+  if (!count || (!volumes && capacity > 0)) return nullPointer();
+  kelp_result result = KELP_OK;
+  const kelp::Part* const of =
+      elementOf(object->asset->pack().parts(), part, result, "there is no such part");
+  if (!of) return result;
+  *count = of->cages.empty() ? 0 : of->cages[0].nodes();
+  if (capacity == 0 || *count == 0) return KELP_OK;
+  kelp::Buffer<float> all;
+  if (!all.reset(*count)) return noMemory();
+  const kelp::Result<void> done = kelp::runtime::nodeVolumes(*object->asset, part, all.span());
+  return done ? copyOut(std::span<const float>(all.span()), volumes, capacity, count) : fail(done.error());
+}
+
+kelp_result kelp_asset_get_node_edges(kelp_asset asset, int32_t part, uint32_t* nodes, uint32_t capacity,
+                                      uint32_t* count) {
+  const Pinned<AssetObject> object(asset.id);
+  if (!object) return object.bad();
+  if (!count || (!nodes && capacity > 0)) return nullPointer();
+  const kelp::Result<kelp::Buffer<kelp::runtime::NodeEdge>> edges =
+      kelp::runtime::nodeEdges(*object->asset, part);
+  if (!edges) return fail(edges.error());
+  *count = static_cast<std::uint32_t>(edges->size());
+  for (const kelp::runtime::NodeEdge& edge : edges->span().first(std::min(capacity, *count))) {
+    *nodes++ = edge.a;
+    *nodes++ = edge.b;
+  }
   return KELP_OK;
 }
 

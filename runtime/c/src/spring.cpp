@@ -5,6 +5,11 @@
 #include "kelp/c/spring.h"
 
 namespace kelp::c {
+
+template <>
+inline constexpr std::size_t kFirstSize<kelp_spring_options> = offsetof(kelp_spring_options, rooted) +
+                                                               sizeof(kelp_bool);
+
 namespace {
 
 // call(spring): what a function does with a valid spring.
@@ -35,7 +40,8 @@ using kelp::runtime::Spring;
 kelp_result kelp_spring_options_defaults(kelp_spring_options* options) {
   if (const kelp_result bad = checkStruct(options)) return bad;
   const kelp::runtime::SpringOptions defaults;
-  return writeStruct({0, defaults.frequency, defaults.damping, defaults.reach, defaults.rooted}, options);
+  return writeStruct({0, defaults.frequency, defaults.damping, defaults.reach, defaults.rooted, nullptr, 0},
+                     options);
 }
 
 kelp_result kelp_spring_create(kelp_asset asset, const kelp_spring_options* options,
@@ -47,7 +53,9 @@ kelp_result kelp_spring_create(kelp_asset asset, const kelp_spring_options* opti
   if (options) {
     kelp_spring_options read;
     if (const kelp_result bad = readStruct(options, read)) return bad;
+    if (!read.parts && read.part_count > 0) return nullPointer();
     set = {read.frequency, read.damping, read.reach, read.rooted != 0};
+    if (read.parts) set.parts.emplace(read.parts, read.part_count);
   }
   kelp::Allocator memory;
   if (const kelp_result bad = readAllocator(allocator, memory)) return bad;

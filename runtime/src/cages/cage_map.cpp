@@ -69,6 +69,11 @@ CellRange cellsOf(const Cage& cage, const glm::ivec3& cube) {
   return {first, last};
 }
 
+// The cube of a point at rest; beside the grid where the point is.
+glm::ivec3 cubeAt(const Cage& cage, const glm::dvec3& rest) {
+  return glm::ivec3(glm::clamp(glm::floor(rest / double(cage.side)), glm::dvec3(-1), glm::dvec3(cage.grid)));
+}
+
 // The cell of a cube whose piece is the nearest to a point.
 std::uint32_t nearestPiece(const Cage& cage, CellRange cells, const glm::dvec3& at) {
   std::uint32_t nearest = cells.first;
@@ -194,6 +199,11 @@ std::uint32_t cellOfVoxelAt(const Cage& cage, const Asset& asset, int part, cons
 
 }  // namespace
 
+bool isEmptyCube(const Cage& cage, const glm::ivec3& cube) {
+  const CellRange cells = cellsOf(cage, cube);
+  return isInGrid(cage, cube) && cells.first == cells.last;
+}
+
 bool PosedTetrahedron::holds(const glm::dvec3& at) const {
   const glm::dvec3 f = (at - rest) / side;
   const double a = f[kind->axes[0]], b = f[kind->axes[1]], c = f[kind->axes[2]];
@@ -298,19 +308,23 @@ bool isOfPiece(const Cage& cage, std::uint32_t cell, const glm::ivec3& first, in
   return false;
 }
 
-PosedTetrahedron tetrahedronFor(const PosedCage& posed, const glm::dvec3& rest) {
-  const Cage& cage = *posed.cage;
-  const glm::dvec3 at = rest / double(cage.side);
-  const glm::ivec3 cube(glm::clamp(glm::floor(at), glm::dvec3(-1), glm::dvec3(cage.grid)));
-  CellRange cells = cellsOf(cage, cube);
+std::uint32_t cellNear(const Cage& cage, const glm::dvec3& rest) {
+  CellRange cells = cellsOf(cage, cubeAt(cage, rest));
   if (cells.first == cells.last) {
-    if (isInnerCube(cage, cube)) return innerTetrahedron(posed, cube, tetrahedronAt(at - glm::dvec3(cube)));
-    NearestCube nearest{cage, at};
+    NearestCube nearest{cage, rest / double(cage.side)};
     nearest.look({0, cage.cells()}, glm::ivec3(0),
                  static_cast<int>(std::bit_width(static_cast<unsigned>(kMostCageCells))) - 1);
     cells = cellsOf(cage, cage.place(nearest.cell));
   }
-  return tetrahedronBeside(posed, nearestPiece(cage, cells, rest), rest);
+  return nearestPiece(cage, cells, rest);
+}
+
+PosedTetrahedron tetrahedronFor(const PosedCage& posed, const glm::dvec3& rest) {
+  const Cage& cage = *posed.cage;
+  const glm::ivec3 cube = cubeAt(cage, rest);
+  if (isEmptyCube(cage, cube) && isInnerCube(cage, cube))
+    return innerTetrahedron(posed, cube, tetrahedronAt(rest / double(cage.side) - glm::dvec3(cube)));
+  return tetrahedronBeside(posed, cellNear(cage, rest), rest);
 }
 
 PosedTetrahedron tetrahedronFor(const PosedCage& posed, const Asset& asset, int part,

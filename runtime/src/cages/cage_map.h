@@ -44,6 +44,8 @@ struct NearestPoint {
 NearestPoint nearestPoint(const PosedTetrahedron& tetrahedron, const glm::dvec3& p);
 NearestPoint nearestOfFace(const PosedTetrahedron& tetrahedron, int face, const glm::dvec3& p);
 
+// True if the cube lies in the grid and has no cell.
+bool isEmptyCube(const Cage& cage, const glm::ivec3& cube);
 // The face of a cell, 0 .. 5, in which face 0 or 3 of a tetrahedron lies.
 inline int cellFace(const CageTetrahedron& kind, int face) {
   return face == 0 ? 2 * kind.axes[0] + 1 : 2 * kind.axes[2];
@@ -58,6 +60,8 @@ inline bool isOfPiece(const Cage& cage, std::uint32_t cell, const glm::dvec3& re
   return isOfPiece(cage, cell, glm::clamp(glm::ivec3(glm::floor(rest)), corner, corner + cage.side - 1), 1);
 }
 
+// The cell nearest to a point at rest; of several pieces in a cube, the one with the nearest voxel.
+std::uint32_t cellNear(const Cage& cage, const glm::dvec3& rest);
 // The tetrahedron that moves a point at rest, as toWorld() in kelp/runtime/instance.h says. Without an asset
 // the voxels that a point lies on are not asked.
 PosedTetrahedron tetrahedronFor(const PosedCage& posed, const glm::dvec3& rest);

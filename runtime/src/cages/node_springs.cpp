@@ -82,8 +82,22 @@ void nearestOfCell(const Cage& cage, std::uint32_t cell, std::span<const glm::ve
   }
 }
 
+// The cells that a sphere meets. The others go along as far as their nodes give way: if a sphere met these,
+// it would push them again and again.
+struct Yielding {
+  std::span<const float> shares;  // of nodes; empty: all give way
+  float least;
+
+  bool holds(const Cage& cage, std::uint32_t cell) const {
+    for (int i = 0; i < 8 && !shares.empty(); ++i)
+      if (shares[cage.node(cell, i)] < least) return false;
+    return true;
+  }
+};
+
 // Nearer than the radius, or around the origin.
-CageContact contactOf(const Cage& cage, std::span<const glm::vec3> places, bool mirrored, float radius) {
+CageContact contactOf(const Cage& cage, std::span<const glm::vec3> places, const Yielding& yielding,
+                      bool mirrored, float radius) {
   Box box;
   for (const glm::vec3& place : places) box.add(place);
   const bool is_in_box = box.min == glm::min(box.min, 0.0f) && box.max == glm::max(box.max, 0.0f);
@@ -91,21 +105,23 @@ CageContact contactOf(const Cage& cage, std::span<const glm::vec3> places, bool 
   for (int turn = 0; turn < (is_in_box ? 2 : 1) && best.distance >= radius; ++turn) {
     best.distance = turn == 0 ? radius : INFINITY;
     for (std::uint32_t cell = 0; cell < cage.cells() && best.distance > 0; ++cell)
-      nearestOfCell(cage, cell, places, mirrored, best);
+      if (yielding.holds(cage, cell)) nearestOfCell(cage, cell, places, mirrored, best);
   }
   return best;
 }
 
 // The nearest point of the cage's surface that may move.
-glm::vec3 nearestWayOut(const Cage& cage, std::span<const glm::vec3> places, bool rooted) {
+glm::vec3 nearestWayOut(const Cage& cage, std::span<const glm::vec3> places, const Yielding& yielding,
+                        bool bottom_fixed, bool top_fixed) {
   NearestPoint best;
   best.distance = INFINITY;
   for (std::uint32_t i = 0; i < cage.faces(); ++i) {
     const std::uint32_t word = cage.face(i), cell = word >> 5;
     const CageTetrahedron& kind = kCageTetrahedra[word >> 2 & 7];
     const int face = static_cast<int>(word & 3);
-    const bool at_root = kind.axes[2] == 1 && face == 3 && cage.place(cell).y == 0;
-    if (rooted && at_root) continue;
+    const bool at_bottom = kind.axes[2] == 1 && face == 3 && cage.place(cell).y == 0,
+               at_top = kind.axes[0] == 1 && face == 0 && cage.place(cell).y + 1 == cage.grid.y;
+    if ((bottom_fixed && at_bottom) || (top_fixed && at_top) || !yielding.holds(cage, cell)) continue;
     glm::dvec3 corners[8];
     for (int k = 0; k < 8; ++k) corners[k] = glm::dvec3(places[cage.node(cell, k)]);
     const NearestPoint nearest =
@@ -173,7 +189,7 @@ bool Spring::movesOf(const Body& body, int side, const PosedPart* followed,
       moves[i] = after.at(heightOf(i)) - before.at(heightOf(i));
     return true;
   }
-  for (std::uint32_t i = 0; i < body.knots; ++i) knots[i] = {at_[body.first + i]};
+  for (std::uint32_t i = 0; i < body.knots; ++i) knots[i] = {at_rest_[body.first + i].at};
   addTo(body, knots);
   std::size_t k = 0;
   for (std::size_t i = 0; i < moves.size(); ++i) {
@@ -185,17 +201,16 @@ bool Spring::movesOf(const Body& body, int side, const PosedPart* followed,
   return true;
 }
 
-Result<void> Spring::pushNodesAway(Body& body, const Instance& instance, int part, const glm::vec3& center,
-                                   float radius) {
+Result<bool> Spring::pushNodesAway(Body& body, const Instance& instance, int part, const glm::mat4& to_world,
+                                   const glm::vec3& center, float radius) {
   const Result<PosedCage> posed = posedCage(instance, part, 0, CageUse::kBounds);
-  if (!posed)
-    return posed.error().code == ErrorCode::kOutOfMemory ? Result<void>(posed.error()) : Result<void>{};
+  if (!posed) return posed.error().code == ErrorCode::kOutOfMemory ? Result<bool>(posed.error()) : false;
   const Cage& cage = *posed->cage;
-  glm::mat4 to_ball = matrixOf(instance, part);
+  glm::mat4 to_ball = to_world;
   to_ball[3] -= glm::vec4(center, 0);
   Ball ball{radius, glm::mat3(to_ball), glm::inverse(glm::mat3(to_ball))};
   // The part has no extent.
-  if (!allFinite(ball.to_part[0]) || !allFinite(ball.to_part[1]) || !allFinite(ball.to_part[2])) return {};
+  if (!allFinite(ball.to_part[0]) || !allFinite(ball.to_part[1]) || !allFinite(ball.to_part[2])) return false;
   const float scale =
       std::sqrt(lengthSquared(ball.turn[0]) + lengthSquared(ball.turn[1]) + lengthSquared(ball.turn[2]));
   ball.most = 4 * scale * options_.reach * body.height;
@@ -221,7 +236,7 @@ Result<void> Spring::pushNodesAway(Body& body, const Instance& instance, int par
   const Box& box = posed->bounds;
   const glm::vec3 middle(to_ball * glm::vec4(0.5f * (box.min + box.max), 1));
   const float extent = 0.5f * glm::distance(box.min, box.max) + std::sqrt(far2) * body.height + far_by_knots;
-  if (!(glm::length(middle) <= radius + scale * extent)) return {};
+  if (!(glm::length(middle) <= radius + scale * extent)) return false;
 
   const std::span<glm::vec3> places = node_places_.span().first(body.nodes);
   const PosedCage near = posedCage(instance, part, 0).value();  // its pose was good when it was bounded
@@ -234,15 +249,17 @@ Result<void> Spring::pushNodesAway(Body& body, const Instance& instance, int par
     places[i] = glm::vec3(to_ball * glm::vec4(near.nodes[i] + off, 1));
   }
   const bool mirrored = glm::determinant(ball.turn) < 0;
+  Yielding yielding{{}, body.least_share};
+  if (!node_shares_.empty()) yielding.shares = node_shares_.span().subspan(body.first_node, body.nodes);
   constexpr int kRounds = 8;
   for (int round = 0; round < kRounds; ++round) {
-    const CageContact contact = contactOf(cage, places, mirrored, radius);
-    if (!contact.within && !(contact.distance < 0.999f * radius)) break;
+    const CageContact contact = contactOf(cage, places, yielding, mirrored, radius);
+    if (!contact.within && !(contact.distance < 0.999f * radius)) return round > 0;
     // From where, by how much and whereto nodes go.
     glm::vec3 from = contact.at, direction = contact.at;
     float way = radius - contact.distance;
     if (contact.within) {
-      direction = -nearestWayOut(cage, places, options_.rooted);
+      direction = -nearestWayOut(cage, places, yielding, body.root == Root::kBottom, body.root == Root::kTop);
       way = radius + glm::length(direction);
       from = glm::vec3(0);
     }
@@ -251,7 +268,7 @@ Result<void> Spring::pushNodesAway(Body& body, const Instance& instance, int par
     pushNodes(body, cage, ball, from, std::min(way, ball.most) * direction,
               kRange * std::max({radius, way, contact.tetrahedron}));
   }
-  return {};
+  return true;
 }
 
 // Pushes the nodes around a place by at most `out`.
@@ -262,7 +279,8 @@ void Spring::pushNodes(Body& body, const Cage& cage, const Ball& ball, const glm
   if (!allFinite(offset) || !allFinite(normal)) return;
   const std::span<Swing> swings = node_swings_.span().subspan(body.first_node, body.nodes);
   for (std::uint32_t i = 0; i < body.nodes; ++i) {
-    const float share = shareOfNode(static_cast<float>(cage.rest(i).y) / body.height);
+    float share = shareOfNode(body, static_cast<float>(cage.rest(i).y) / body.height);
+    if (!node_shares_.empty()) share *= node_shares_[body.first_node + i];
     glm::vec3& place = node_places_[i];
     const float weight = share * weightAt(lengthSquared((place - at) / range));
     if (!(weight > 0)) continue;

@@ -10,4 +10,5 @@
 #include "kelp/runtime/distance.h"
 #include "kelp/runtime/instance.h"
 #include "kelp/runtime/pose.h"
+#include "kelp/runtime/soft_body.h"
 #include "kelp/runtime/spring.h"

@@ -8,6 +8,8 @@
 //   spring.addTo(pose);                                          the pose to draw
 #pragma once
 
+#include <optional>
+
 #include "kelp/runtime/instance.h"
 
 namespace kelp::runtime {
@@ -22,8 +24,13 @@ struct SpringOptions {
   float reach = 0.6f;
   // True: the first knot of a part is fixed, and the part bends like a beam: the farther from there, the
   // more. The lowest nodes of its cage are fixed, too. False: nothing is fixed, and all knots are pushed
-  // alike.
+  // alike. A part with a parent is fixed in any case, at the end where its pivot is: an arm that hangs down
+  // at its top.
   bool rooted = true;
+  // The parts that give way to pushAway(), in any order; nullopt: all. Of a cage whose nodes follow parts, as
+  // a skin's follow joints, list the cage's part, or some that its nodes follow: then each node gives way by
+  // the weight with which it follows these. Blows and wind name their part themselves. Copied by create().
+  std::optional<std::span<const int>> parts = std::nullopt;
 };
 
 // The movement of a knot or a node relative to its pose.
@@ -34,15 +41,20 @@ struct Swing {
 
 // Each knot is a damped harmonic oscillator about its place in the pose or, in wind, about the place where
 // the wind holds it. Each node of a part's finest cage is one about the place where pose and knots put it.
-// Blows and wind move knots, spheres the knots of parts without cages and the nodes of parts with. Keeps no
-// pointer to its asset. Only create() allocates. Not thread-safe: use a spring on one thread at a time.
-// Different springs may be used on different threads at the same time. Functions that return a Result return
-// kMisuse, with nothing changed, for a part that does not exist, a pose or asset that does not fit, and
-// numbers that are not finite. The state stays finite for any pushes and time steps.
+// Blows and wind move knots, spheres the knots of parts without cages and the nodes of parts with.
+// Children follow: a part goes with the place where it hangs on its parent, the origin of its pivot, as far
+// as springs move that, and turns with it; there it stays joined, however it bends itself. On a part that
+// nodes of a cage follow, a joint of a skin, it goes with these. Joints stay where clips and the host put
+// them, and sockets on them.
+// Keeps no pointer to its asset. Only create() allocates. Not thread-safe: use a spring on one thread at a
+// time. Different springs may be used on different threads at the same time. Functions that return a Result
+// return kMisuse, with nothing changed, for a part that does not exist, a pose or asset that does not fit,
+// and numbers that are not finite. The state stays finite for any pushes and time steps.
 class Spring {
  public:
   Spring() = default;  // of no part; fits no asset
-  // A spring at rest, without wind. kMisuse for options out of range; kOutOfMemory.
+  // A spring at rest, without wind. kMisuse for options out of range, for an empty list of parts and one
+  // with a part that does not exist (`offset`: the part's place in the list); kOutOfMemory.
   static Result<Spring> create(const Asset& asset, const SpringOptions& options = {},
                                const Allocator& allocator = {});
   Spring(Spring&&) noexcept = default;
@@ -68,16 +80,16 @@ class Spring {
   Result<void> setWind(int part, const glm::vec3& acceleration);
   // The same, with an acceleration in world space.
   Result<void> setWindInWorld(const Instance& instance, int part, const glm::vec3& acceleration);
-  // The player's body, a sphere in world space. Pushes the middle line of every part out of it, as a beam
-  // bends under a load at the deepest contact, and stops knots that move towards it. instance.pose is the
-  // pose without the spring; null means rest. The lowest quarter of a part yields only in part, and no knot
-  // moves beyond `reach`. A radius of 0 or less has no effect. A part that hangs on another part's spline is
-  // pushed where that spline puts it without this spring.
-  // A part with cages yields as a soft body: all cells leave the sphere, or as far as `reach` lets them.
-  // Nodes around a contact go with it, the less the farther away, up to 2.5 radii or cells; the others stay
-  // as they are, to the last bit. Where the sphere's center is in the cells, they go to the side where most
-  // of them are. Takes time in proportion to the cells of parts that the sphere may touch. kOutOfMemory: for
-  // the pose of an instance without one, which the asset makes at its first use.
+  // The player's body, a sphere in world space. Pushes the middle line of every part that has voxels, and is
+  // listed if SpringOptions::parts lists some, out of it, as a beam bends under a load at the deepest
+  // contact, and stops knots that move towards it. instance.pose is the pose without the spring; null means
+  // rest. The lowest quarter of a part yields only in part, and no knot moves beyond `reach`. A radius of 0
+  // or less has no effect. A part that hangs on another is pushed where that takes it with the spring. A part
+  // with cages yields as a soft body: all cells leave the sphere, or as far as `reach` lets them. Nodes
+  // around a contact go with it, the less the farther away, up to 2.5 radii or cells; the others stay as they
+  // are, to the last bit. Where the sphere's center is in the cells, they go to the side where most of them
+  // are. Takes time in proportion to the cells of parts that the sphere may touch. kOutOfMemory: for the pose
+  // of an instance without one, which the asset makes at its first use.
   Result<void> pushAway(const Instance& instance, const glm::vec3& center, float radius);
 
   // Advances the springs by `seconds` >= 0. The solution is exact for any step: two half steps equal one
@@ -89,12 +101,14 @@ class Spring {
   // exactly like a beam that is loaded at its end. Then calls pose.clamp(), which changes nothing if
   // a sheared part was pushed sideways. Nodes that follow their spline go where it takes them now; those that
   // the host wrote move with the curve of the knots' offsets. Then adds the offsets of nodes that swing: all
-  // nodes of such a part are the host's from then on, until pose.reset().
+  // nodes of such a part are the host's from then on, until pose.reset(). Last, changes the motions of parts
+  // that hang on what moved, but of those that the host's joints drive.
   Result<void> addTo(Pose& pose) const;
 
  private:
-  struct Body {               // of a part
-    std::uint32_t first = 0;  // the index of its first knot
+  enum class Root : std::uint8_t { kNone, kBottom, kTop };  // the end of a part that is fixed
+  struct Body {                                             // of a part
+    std::uint32_t first = 0;                                // the index of its first knot
     std::uint32_t knots = 0;
     float height = 0;     // voxels
     glm::vec3 middle{0};  // from the spline to the volume's middle line, voxels
@@ -103,22 +117,57 @@ class Spring {
     std::uint32_t nodes = 0;  // of its finest cage
     // All others are at rest: indices from first_node.
     std::uint32_t moved = 0, moved_end = 0;
+    Root root = Root::kNone;
+    bool yields = true;     // to spheres
+    float least_share = 0;  // of the nodes of cells that spheres meet
+  };
+  // A place on a part whose frame springs move.
+  struct Spot {
+    int part = 0;
+    glm::vec3 rest{0};  // part space
+    // Of a part with a cage: the nodes of its tetrahedron there, in the order of their corners, and the axes
+    // from one to the next.
+    bool is_caged = false;
+    std::uint32_t nodes[4] = {};
+    int axes[3] = {};
+    glm::vec3 corner{0};  // at rest
+    float side = 0;
+  };
+  // A part on what holds it: at its pivot.
+  struct Hang {
+    Spot holder, own;
+    int part = 0, parent = 0;
+    bool is_on_spline = false;  // of its parent, whose knots move it
+    // While addTo() runs: without the spring.
+    bool moves = false;
+    glm::mat4 before{1};
+    glm::vec3 own_before{0};
   };
   Result<glm::vec3> fromWorld(const Instance& instance, int part, const glm::vec3& vector) const;
+  static Error foreign();  // for a pose or asset that does not fit
   bool fits(const Pose& pose) const;
   bool fits(const Asset& asset) const;
   float share(const Body& body, std::uint32_t knot) const;
-  float shareOfNode(float at) const;
+  float shareOfNode(const Body& body, float at) const;
   float energyOf(const Swing& swing, const glm::vec3& held) const;
   void limit(Swing& swing, const glm::vec3& held, float reach, float energy_before) const;
   void addTo(const Body& body, std::span<Knot> knots) const;
-  void pushAway(const Body& body, const Part& part, std::span<const Knot> pose, const glm::mat4& to_world,
+  // True: something was pushed.
+  bool pushAway(const Body& body, const Part& part, std::span<const Knot> pose, const glm::mat4& to_world,
                 const glm::vec3& center, float radius);
+  // spring_parts.cpp:
+  Result<void> list(std::span<const Part> parts, std::span<const int> listed, const Allocator& allocator);
+  Result<void> hang(const Asset& asset, const Allocator& allocator);
+  glm::mat4 frameAt(const Spot& spot, const Pose& pose) const;
+  bool isStill(const Body& body) const;
+  void beforeKnots(const Pose& pose) const;
+  void beforeNodes(const Pose& pose) const;
+  void follow(Pose& pose) const;
   // Of nodes:
   struct Ball;
   bool movesOf(const Body& body, int side, const PosedPart* followed, std::span<glm::mat4x3> moves) const;
-  Result<void> pushNodesAway(Body& body, const Instance& instance, int part, const glm::vec3& center,
-                             float radius);
+  Result<bool> pushNodesAway(Body& body, const Instance& instance, int part, const glm::mat4& to_world,
+                             const glm::vec3& center, float radius);
   void pushNodes(Body& body, const Cage& cage, const Ball& ball, const glm::vec3& at, const glm::vec3& out,
                  float range);
   void stepNodes(Body& body, float a, float b, float c, float d);
@@ -128,9 +177,13 @@ class Spring {
   float omega_ = 0;  // radians per second
   Buffer<Body> bodies_;
   Buffer<Swing> swings_;
-  Buffer<float> at_;
+  Buffer<Part> rest_;     // copies without names, levels and cages
+  Buffer<Knot> at_rest_;  // their knots
   Buffer<Swing> node_swings_;
+  Buffer<float> node_shares_;      // by which nodes give way; empty: all by 1
   Buffer<glm::vec3> node_places_;  // while nodes are pushed
+  mutable Buffer<Hang> hangs_;     // ascending by part
+  Pose with_;                      // while parts are pushed: with the spring; only if some hang
 };
 
 }  // namespace kelp::runtime

@@ -148,6 +148,18 @@ KELP_API kelp_result kelp_asset_get_cage_cells(kelp_asset asset, int32_t part, u
 // are. KELP_ERROR_MISUSE: no such part.
 KELP_API kelp_result kelp_asset_get_morphs(kelp_asset asset, int32_t part, int32_t* morphs, uint32_t capacity,
                                            uint32_t* count);
+// For a soft body or another solver of yours: how much of the solid each node of a part's finest cage
+// carries, in level-0 voxels; their sum is the number of solid voxels. At most `capacity` of them are copied
+// to `volumes` (may be null if that is 0). *count: how many the part has; 0 without a cage.
+// KELP_ERROR_NOT_YET: level 0 of the part is not in memory. Takes time in proportion to the part's voxels, so
+// call it once, when the asset is loaded.
+KELP_API kelp_result kelp_asset_get_node_volumes(kelp_asset asset, int32_t part, float* volumes,
+                                                 uint32_t capacity, uint32_t* count);
+// The pairs of neighboring nodes: the edges of all tetrahedra, each once, the lesser number first, ascending:
+// two numbers each. Their length at rest follows from kelp_pose_get_nodes of a pose at rest. `capacity` and
+// *count: pairs, as kelp_asset_get_cage_cells.
+KELP_API kelp_result kelp_asset_get_node_edges(kelp_asset asset, int32_t part, uint32_t* nodes,
+                                               uint32_t capacity, uint32_t* count);
 
 // An animation. kelp_pose_add_clip plays it.
 typedef struct kelp_clip {

@@ -19,7 +19,13 @@ typedef struct kelp_spring_options {
   float frequency;   // of the undamped swing, in Hz; above 0
   float damping;     // ratio; 0 swings for ever, 1 returns fastest without overshoot
   float reach;       // the farthest that a knot or node moves, in heights of its part; above 0
-  kelp_bool rooted;  // the first knot of a part and its lowest nodes are fixed; the part bends like a beam
+  kelp_bool rooted;  // the first knot of a part and its lowest nodes are fixed; the part bends like a beam.
+                     // Parts with a parent are fixed in any case, where they hang
+  // The parts that give way to kelp_spring_push_away, in any order; null and 0: all. Nodes that follow listed
+  // parts (joints of a skin) give way by weight. Copied. KELP_ERROR_MISUSE: no parts, or one that does not
+  // exist; the error's offset is its place in the list.
+  const int32_t* parts;
+  uint32_t part_count;
 } kelp_spring_options;
 KELP_API kelp_result kelp_spring_options_defaults(kelp_spring_options* options);
 
@@ -52,14 +58,14 @@ KELP_API kelp_result kelp_spring_push_in_world(kelp_spring spring, const kelp_in
 KELP_API kelp_result kelp_spring_set_wind(kelp_spring spring, int32_t part, const float acceleration[3]);
 KELP_API kelp_result kelp_spring_set_wind_in_world(kelp_spring spring, const kelp_instance* instance,
                                                    int32_t part, const float acceleration[3]);
-// The player's body, a sphere in the world: pushes every part out of it, of parts with cages the nodes near
-// it. instance->pose: without the spring.
+// The player's body, a sphere in the world: pushes every part with voxels, or those of the options' list, out
+// of it, of parts with cages the nodes near it. instance->pose: without the spring.
 KELP_API kelp_result kelp_spring_push_away(kelp_spring spring, const kelp_instance* instance,
                                            const float center[3], float radius);
 // Advances by `seconds`, at least 0. Exact for any step: two half steps equal one whole.
 KELP_API kelp_result kelp_spring_step(kelp_spring spring, float seconds);
 // Adds the offsets to the pose, with tangents to match, then clamps it. All nodes of a part where some swing
-// are yours from then on, until kelp_pose_reset.
+// are yours from then on, until kelp_pose_reset. Moves parts that hang on what moved.
 KELP_API kelp_result kelp_spring_add_to(kelp_spring spring, kelp_pose pose);
 
 #endif
