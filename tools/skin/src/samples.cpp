@@ -88,18 +88,20 @@ SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const F
         waiting += 2 * triangle.area / (static_cast<double>(cuts) * (cuts + 1));
         if (!(waiting > least) && t + 1 < soup.triangles.size()) continue;
         const double u = (i + inside.x) / cuts, v = (j + inside.y) / cuts;
-        const double shares[3] = {1 - u - v, u, v};
+        const glm::dvec3 shares(1 - u - v, u, v);
         glm::dvec3 at(0);
         list.clear();
-        for (std::size_t c = 0; c < 3; ++c) {
-          at += shares[c] * triangle.corners[c];
-          addVertex(skin, soup.skinned[t][c], shares[c], list);
+        for (int c = 0; c < 3; ++c) {
+          const auto corner = static_cast<std::size_t>(c);
+          at += shares[c] * triangle.corners[corner];
+          addVertex(skin, soup.skinned[t][corner], shares[c], list);
         }
         std::sort(list.begin(), list.end(),
                   [](const Weighted& a, const Weighted& b) { return a.joint < b.joint; });
         samples.positions.push_back(at);
         samples.areas.push_back(std::max(waiting, std::numeric_limits<double>::min()));
         samples.triangles.push_back(static_cast<std::uint32_t>(t));
+        samples.shares.push_back(shares);
         samples.weighted.insert(samples.weighted.end(), list.begin(), list.end());
         samples.first_weighted.push_back(samples.weighted.size());
         waiting = 0;
@@ -107,6 +109,22 @@ SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const F
     }
   }
   return samples;
+}
+
+std::vector<Offset> offsetsOf(const SourceSkin::Morph& morph, const SkinSamples& samples,
+                              const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame) {
+  std::vector<glm::dvec3> of_vertices(skin.first_influence.size() - 1, glm::dvec3(0));
+  for (std::size_t i = 0; i < morph.vertices.size(); ++i)
+    of_vertices[morph.vertices[i]] = glm::dmat3(frame.node_to_voxel) * glm::dvec3(morph.offsets[i]);
+  std::vector<Offset> offsets;
+  for (std::uint32_t s = 0; s < samples.size(); ++s) {
+    glm::dvec3 by(0);
+    for (int c = 0; c < 3; ++c)
+      by +=
+          samples.shares[s][c] * of_vertices[soup.skinned[samples.triangles[s]][static_cast<std::size_t>(c)]];
+    if (by != glm::dvec3(0)) offsets.push_back({s, by});
+  }
+  return offsets;
 }
 
 SampleFinder::SampleFinder(const SkinSamples& samples, const glm::ivec3& size)

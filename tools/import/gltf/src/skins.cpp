@@ -120,6 +120,8 @@ GltfSkins::GltfSkins(const GltfModel& model, const std::vector<GltfAnimation>& a
     if (model.node(node).mesh >= 0 && hasJoints(node)) addSkinned(node);
   for (const int node : model.order)
     if (model.node(node).mesh >= 0 && !hasJoints(node)) meshes_[node] = rigid(node);
+  for (const int node : model.order)
+    if (model.node(node).mesh >= 0) addTargets(node);
   for (const auto& [node, name] : sockets) {
     const Mesh socket = rigid(node);
     if (!isRegular(socket.place) || !isFinite(socket.place)) {
@@ -197,8 +199,11 @@ GltfSkins::Mesh GltfSkins::rigid(int node) {
     if (isRegular(to_joint)) bind = glm::inverse(to_joint);
     break;
   }
-  int mover = node;  // the mesh itself, or, of a flat one, the nearest above that has a motion
-  while (mover >= 0 && !isRegular(worldOf(mover))) mover = parentOf(mover);
+  // The mesh itself; of a flat one, the nearest above that has a motion. So it is without skins, where most
+  // nodes stand still.
+  int mover = node;
+  while (mover >= 0 && (!isRegular(worldOf(mover)) || (skins_.empty() && !moved_[at(mover)])))
+    mover = parentOf(mover);
   Mesh mesh;
   mesh.place = bind * worldOf(node);
   mesh.joints.push_back(jointOf(mover, mover < 0 ? glm::dmat4(1) : glm::inverse(bind * worldOf(mover))));
