@@ -205,8 +205,7 @@ double voxelSize(const SourcePart& part, const glm::mat4x3& to_node) {
 
 template <class T>
 std::uint64_t countNonZero(const std::vector<T>& values) {
-  return static_cast<std::uint64_t>(values.size()) -
-         static_cast<std::uint64_t>(std::count(values.begin(), values.end(), T{0}));
+  return values.size() - static_cast<std::uint64_t>(std::count(values.begin(), values.end(), T{0}));
 }
 
 void reportFog(const SourcePart& part, Report::Part& line) {
@@ -302,8 +301,6 @@ SkinnedBody divideSkin(Job& job) {
   part.morphs = body.morphs;
   PartNotices none;
   for (std::size_t i = 1; i < job.model.parts.size(); ++i) voxelizePart(job, i, none);
-  for (const RawMorph& morph : body.morphs)
-    job.report.parts[morph.part].fill = "empty: its place along x is a morph target's weight";
   job.grids = {&*job.model.parts.front().grid};  // it has moved
   return body;
 }

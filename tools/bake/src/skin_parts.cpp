@@ -147,8 +147,11 @@ void reportFits(const SkinnedBody& body, Report& report) {
   for (const SkinFit& fit : fits) by_clip[fit.clip] = &fit;
   for (Report::Clip& clip : report.clips)
     if (const auto found = by_clip.find(clip.name); found != by_clip.end()) clip.fit = fitOf(*found->second);
-  for (std::size_t m = 0; m < body.morphs.size(); ++m)
-    report.parts[body.morphs[m].part].fit = fitOf(body.morph_fits[m]);
+  for (std::size_t m = 0; m < body.morphs.size(); ++m) {
+    Report::Part& line = report.parts[body.morphs[m].part];
+    line.fill = "empty: its translation along x is the weight of a morph target";
+    line.fit = fitOf(body.morph_fits[m]);
+  }
   const auto notePoor = [&](const char* kind, const SkinFit& fit) {
     if (fit.distances.p95 > kPoorFit)
       report.notices.push_back(fmt::format(

@@ -25,17 +25,6 @@ int attributeOf(const tinygltf::Primitive& primitive, const std::string& name) {
   return found == primitive.attributes.end() ? -1 : found->second;
 }
 
-GltfValues readSized(const GltfModel& model, int accessor, int least, int most, std::size_t count,
-                     const std::string& place, const char* name, bool fractions = false) {
-  GltfValues values = readValues(model, accessor, place + "." + name, fractions);
-  if (values.components < least || values.components > most)
-    model.refuse(place, std::string(name) + " has the wrong number of components");
-  if (values.count != count)
-    model.refuse(place, std::string(name) + " has " + std::to_string(values.count) + " values for " +
-                            std::to_string(count) + " vertices");
-  return values;
-}
-
 // The joint matrices of a skin at rest, world <- mesh. Section 3.7.3 of the specification.
 std::vector<glm::dmat4> jointMatrices(const GltfModel& model, int skin) {
   std::vector<glm::dmat4> matrices = inverseBindMatrices(model, skin);
@@ -115,7 +104,7 @@ class PrimitiveReader {
     const std::uint32_t first_vertex = skins_ ? skins_->vertices() : 0;
     if (skins_) {
       addVertices(primitive, count, place);
-      addOffsets(primitive, count, place);
+      skins_->addOffsets(primitive, count, glm::dmat3(to_part_), place);
     }
 
     SoupBuilder::Triangle triangle;
@@ -297,42 +286,13 @@ class PrimitiveReader {
           place, node_.name.empty() ? std::to_string(index_) : "'" + node_.name + "'", uneven, count));
   }
 
-  // Calls visit(i, offset) for each vertex that a morph target may move.
-  template <class Visit>
-  void eachOffset(const tinygltf::Primitive& primitive, std::size_t target, std::size_t count,
-                  const std::string& place, const Visit& visit) const {
-    const auto found = primitive.targets[target].find("POSITION");
-    if (found == primitive.targets[target].end()) return;
-    const GltfValues delta = readSized(model_, found->second, 3, 3, count, place, "morph target");
-    model_.countRead(count, place);
-    for (std::size_t i = 0; i < count; ++i)
-      visit(i, glm::dvec3(delta.at(i, 0), delta.at(i, 1), delta.at(i, 2)));
-  }
-
   void applyMorph(const tinygltf::Primitive& primitive, const std::string& place,
                   std::vector<glm::dvec3>& positions) const {
     const std::vector<double>& weights = restingWeights(model_, index_);
-    for (std::size_t target = 0; target < primitive.targets.size() && target < weights.size(); ++target)
-      if (weights[target] != 0)
-        eachOffset(primitive, target, positions.size(), place,
-                   [&](std::size_t i, const glm::dvec3& by) { positions[i] += weights[target] * by; });
-  }
-
-  // Where morph targets move the vertices that were added last.
-  void addOffsets(const tinygltf::Primitive& primitive, std::size_t count, const std::string& place) const {
-    const std::uint32_t first = skins_->vertices() - static_cast<std::uint32_t>(count);
-    for (std::size_t target = 0; target < primitive.targets.size(); ++target) {
-      std::size_t moved = 0;
-      eachOffset(primitive, target, count, place, [&](std::size_t i, const glm::dvec3& by) {
-        const glm::vec3 offset(glm::dmat3(to_part_) * by);
-        if (!std::isfinite(offset.x + offset.y + offset.z))
-          model_.refuse(place, fmt::format("moves vertex {} by morph target {} to a place that is not finite",
-                                           i, target));
-        if (offset == glm::vec3(0)) return;
-        skins_->addOffset(target, first + static_cast<std::uint32_t>(i), offset);
-        ++moved;
-      });
-      model_.budget->take(moved * (sizeof(std::uint32_t) + sizeof(glm::vec3)), place);
+    for (std::size_t target = 0; target < primitive.targets.size() && target < weights.size(); ++target) {
+      if (weights[target] == 0) continue;
+      const std::vector<glm::dvec3> by = readTarget(model_, primitive, target, positions.size(), place);
+      for (std::size_t i = 0; i < by.size(); ++i) positions[i] += weights[target] * by[i];
     }
   }
 

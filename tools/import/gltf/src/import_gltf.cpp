@@ -65,17 +65,6 @@ class GltfImporter {
   }
 
  private:
-  // True if the outer rig moves joints by itself.
-  bool rigsJoints() const {
-    if (!out_.outer) return false;
-    for (const tinygltf::Skin& skin : model_.data.skins)
-      for (const int joint : skin.joints)
-        if (joint >= 0 && joint < static_cast<int>(model_.data.nodes.size()) &&
-            out_.outer->file.find(oneLine(model_.node(joint).name, 80)))
-          return true;
-    return false;
-  }
-
   bool hasOtherRig() const {
     if (whole_ || settings_.parts != Parts::kOne) return true;
     const std::vector<PartPlan> plans = planByRigs(model_, false);
@@ -95,7 +84,8 @@ class GltfImporter {
               "are baked as they rest, or, with --at CLIP:SECONDS, as they are at a moment");
         return false;
       }
-      if (morphs || movesJoints(model_, animations_) || rigsJoints()) return true;
+      if (morphs || movesJoints(model_, animations_) || (out_.outer && rigsJoints(model_, out_.outer->file)))
+        return true;
       if (!animations_.empty())
         model_.note(
             "no animation moves the joints of its skin: it is baked at rest, as one part; --rig skin makes "

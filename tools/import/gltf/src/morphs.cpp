@@ -21,6 +21,17 @@ const std::vector<double>& restingWeights(const GltfModel& model, int node) {
   return its.weights.empty() ? model.data.meshes[at(its.mesh)].weights : its.weights;
 }
 
+std::vector<glm::dvec3> readTarget(const GltfModel& model, const tinygltf::Primitive& primitive,
+                                   std::size_t target, std::size_t count, const std::string& place) {
+  const auto found = primitive.targets[target].find("POSITION");
+  if (found == primitive.targets[target].end()) return {};
+  const GltfValues delta = readSized(model, found->second, 3, 3, count, place, "morph target");
+  model.countRead(count, place);
+  std::vector<glm::dvec3> offsets(count);
+  for (std::size_t i = 0; i < count; ++i) offsets[i] = {delta.at(i, 0), delta.at(i, 1), delta.at(i, 2)};
+  return offsets;
+}
+
 bool hasMorphs(const GltfModel& model) {
   return std::any_of(model.order.begin(), model.order.end(), [&](int node) {
     if (model.node(node).mesh < 0) return false;
@@ -66,10 +77,24 @@ void GltfSkins::addTargets(int node) {
   rests_.insert(rests_.end(), rest.begin(), rest.end());
 }
 
-void GltfSkins::addOffset(std::size_t target, std::uint32_t vertex, const glm::vec3& by) {
-  SourceSkin::Morph& morph = skin_.morphs[first_morph_.at(vertex_node_) + target];
-  morph.vertices.push_back(vertex);
-  morph.offsets.push_back(by);
+void GltfSkins::addOffsets(const tinygltf::Primitive& primitive, std::size_t count,
+                           const glm::dmat3& to_space, const std::string& place) {
+  const std::uint32_t first = vertices() - static_cast<std::uint32_t>(count);
+  for (std::size_t target = 0; target < primitive.targets.size(); ++target) {
+    const std::vector<glm::dvec3> offsets = readTarget(model_, primitive, target, count, place);
+    SourceSkin::Morph& morph = skin_.morphs[first_morph_.at(vertex_node_) + target];
+    const std::size_t before = morph.vertices.size();
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+      const glm::vec3 by(to_space * offsets[i]);
+      if (!std::isfinite(by.x + by.y + by.z))
+        model_.refuse(place, fmt::format("has a morph target that moves vertex {} to no finite place", i));
+      if (by == glm::vec3(0)) continue;
+      morph.vertices.push_back(first + static_cast<std::uint32_t>(i));
+      morph.offsets.push_back(by);
+    }
+    model_.budget->take((morph.vertices.size() - before) * (sizeof(std::uint32_t) + sizeof(glm::vec3)),
+                        place);
+  }
 }
 
 void GltfSkins::addWeights(const std::vector<const GltfMorphChannel*>& channels, double time,

@@ -54,6 +54,15 @@ bool hasSkins(const GltfModel& model) {
   });
 }
 
+bool rigsJoints(const GltfModel& model, const RigFile& rig) {
+  for (const tinygltf::Skin& skin : model.data.skins)
+    for (const int joint : skin.joints)
+      if (joint >= 0 && joint < static_cast<int>(model.data.nodes.size()) &&
+          rig.find(oneLine(model.node(joint).name, 80)))
+        return true;
+  return false;
+}
+
 bool movesJoints(const GltfModel& model, const std::vector<GltfAnimation>& animations) {
   // The joints and all nodes above them.
   std::vector<bool> reaches(model.data.nodes.size(), false);

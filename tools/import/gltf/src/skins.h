@@ -23,6 +23,8 @@ bool isFinite(const glm::dmat4& m);
 // True if a mesh of the scene has a skin.
 bool hasSkins(const GltfModel& model);
 
+// True if the rig has one for a joint by its name.
+bool rigsJoints(const GltfModel& model, const RigFile& rig);
 // True if an animation moves a joint of a skin of the scene.
 bool movesJoints(const GltfModel& model, const std::vector<GltfAnimation>& animations);
 
@@ -31,6 +33,9 @@ bool movesJoints(const GltfModel& model, const std::vector<GltfAnimation>& anima
 std::size_t targetCount(const tinygltf::Mesh& mesh);
 // The weights at rest of a node that has a mesh; there may be more or fewer than targets.
 const std::vector<double>& restingWeights(const GltfModel& model, int node);
+// How far a target moves each of `count` vertices; none: it has no positions.
+std::vector<glm::dvec3> readTarget(const GltfModel& model, const tinygltf::Primitive& primitive,
+                                   std::size_t target, std::size_t count, const std::string& place);
 // True if a morph target moves vertices of the scene.
 bool hasMorphs(const GltfModel& model);
 
@@ -52,8 +57,9 @@ class GltfSkins {
   std::uint32_t vertices() const { return static_cast<std::uint32_t>(skin_.first_influence.size()); }
   void beginVertex(int node);
   void addInfluence(std::size_t joint, double weight);
-  // A morph target of the last vertex's mesh moves a vertex, in the space of take().
-  void addOffset(std::size_t target, std::uint32_t vertex, const glm::vec3& by);
+  // Where morph targets move the last vertices: those of a primitive. to_space: from the mesh's to take()'s.
+  void addOffsets(const tinygltf::Primitive& primitive, std::size_t count, const glm::dmat3& to_space,
+                  const std::string& place);
 
   // Ends the vertices. Returns the skin with all clips, in `space` (of the world); marks the channels that
   // move joints.
