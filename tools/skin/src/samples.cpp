@@ -15,13 +15,16 @@ using Weighted = SkinSamples::Weighted;
 
 struct SampledTriangle {
   std::array<glm::dvec3, 3> corners;  // voxels
+  glm::dvec3 normal{0};
   double area = 0, longest = 0;
 
   SampledTriangle(const TriangleSoup& soup, std::size_t t, const Frame& frame) {
     for (std::size_t c = 0; c < 3; ++c)
       corners[c] = glm::dvec3(frame.node_to_voxel *
                               glm::dvec4(glm::dvec3(soup.positions[soup.triangles[t].vertex[c]]), 1));
-    area = 0.5 * glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+    const glm::dvec3 across = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    area = 0.5 * glm::length(across);
+    if (area > 0) normal = across / (2 * area);
     for (std::size_t c = 0; c < 3; ++c)
       longest = std::max(longest, glm::distance(corners[c], corners[(c + 1) % 3]));
   }
@@ -32,8 +35,20 @@ struct SampledTriangle {
   }
 };
 
-// Adds a share of a vertex to a sample's list.
-void addVertex(const SourceSkin& skin, std::uint32_t vertex, double share, std::vector<Weighted>& list) {
+glm::ivec3 voxelIn(const glm::ivec3& size, const glm::dvec3& at) {
+  return glm::ivec3(glm::clamp(glm::floor(at), glm::dvec3(0), glm::dvec3(size - 1)));
+}
+
+}  // namespace
+
+std::uint32_t SkinSamples::heaviestJoint(std::size_t i) const {
+  const std::span<const Weighted> all = weights(i);
+  return std::max_element(all.begin(), all.end(),
+                          [](const Weighted& a, const Weighted& b) { return a.weight < b.weight; })
+      ->joint;
+}
+
+void addWeights(const SourceSkin& skin, std::uint32_t vertex, double share, std::vector<Weighted>& list) {
   double sum = 0;  // weights are floats: their sum differs from one by rounding
   for (std::uint32_t i = skin.first_influence[vertex]; i < skin.first_influence[vertex + 1]; ++i)
     sum += static_cast<double>(skin.influences[i].weight);
@@ -47,19 +62,6 @@ void addVertex(const SourceSkin& skin, std::uint32_t vertex, double share, std::
     else
       same->weight += weight;
   }
-}
-
-glm::ivec3 voxelIn(const glm::ivec3& size, const glm::dvec3& at) {
-  return glm::ivec3(glm::clamp(glm::floor(at), glm::dvec3(0), glm::dvec3(size - 1)));
-}
-
-}  // namespace
-
-std::uint32_t SkinSamples::heaviestJoint(std::size_t i) const {
-  const std::span<const Weighted> all = weights(i);
-  return std::max_element(all.begin(), all.end(),
-                          [](const Weighted& a, const Weighted& b) { return a.weight < b.weight; })
-      ->joint;
 }
 
 SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame, double edge,
@@ -94,11 +96,12 @@ SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const F
         for (int c = 0; c < 3; ++c) {
           const auto corner = static_cast<std::size_t>(c);
           at += shares[c] * triangle.corners[corner];
-          addVertex(skin, soup.skinned[t][corner], shares[c], list);
+          addWeights(skin, soup.skinned[t][corner], shares[c], list);
         }
         std::sort(list.begin(), list.end(),
                   [](const Weighted& a, const Weighted& b) { return a.joint < b.joint; });
         samples.positions.push_back(at);
+        samples.normals.push_back(triangle.normal);
         samples.areas.push_back(std::max(waiting, std::numeric_limits<double>::min()));
         samples.triangles.push_back(static_cast<std::uint32_t>(t));
         samples.shares.push_back(shares);

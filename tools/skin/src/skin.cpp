@@ -17,6 +17,7 @@
 
 #include "morphs.h"
 #include "skin_sockets.h"
+#include "slopes.h"
 
 namespace kelp::bake {
 namespace {
@@ -161,6 +162,7 @@ SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fram
   report(0.2);
   const int longest = std::max({whole.size.x, whole.size.y, whole.size.z});
   const std::vector<std::vector<SkinMoment>> moments = judgedMoments(body);
+  body.known.samples.slopes = slopesUnder(soup, skin, frame, body.known.samples, moments, threads);
   int side = cell != 0 ? cell : fields::kLargestCell;
   std::optional<TriedCage> cage;
   for (;; side /= 2) {

@@ -18,6 +18,8 @@ namespace {
 
 // How much the differences between neighbors count: of what a node's samples count in the mean.
 constexpr double kSmooth = 1e-3;
+// How much the change along a sample's normal counts, over a cell's side: of what the sample counts.
+constexpr double kUnder = 0.03;
 constexpr std::size_t kMost = 4;  // joints of a node
 
 using Matrix = Eigen::SparseMatrix<double>;
@@ -36,6 +38,20 @@ std::vector<Edge> edgesOf(const Cage& cage) {
   return edges;
 }
 
+// What nodes count in the change of what is interpolated at a place, over a cell's side along a direction.
+std::array<double, 4> alongNormal(const CagePlaces::Place& place, const Cage& cage,
+                                  const glm::dvec3& normal) {
+  std::array<double, 4> along{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    // From node to node, each time by a side along another axis.
+    const glm::dvec3 edge(cage.rest(place.nodes[i + 1]) - cage.rest(place.nodes[i]));
+    const double its = glm::dot(edge, normal) / cage.side;
+    along[i] -= its;
+    along[i + 1] += its;
+  }
+  return along;
+}
+
 // The normal equations.
 Matrix equations(const SkinSamples& samples, const SamplePlaces& places, const Cage& cage,
                  const std::vector<Edge>& edges) {
@@ -48,10 +64,11 @@ Matrix equations(const SkinSamples& samples, const SamplePlaces& places, const C
   for (std::size_t s = 0; s < samples.size(); ++s) {
     if (!places[s]) continue;
     const CagePlaces::Place& place = *places[s];
+    const std::array<double, 4> along = alongNormal(place, cage, samples.normals[s]);
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = 0; j < 4; ++j) {
         const double value = samples.areas[s] * place.weights[i] * place.weights[j];
-        add(place.nodes[i], place.nodes[j], value);
+        add(place.nodes[i], place.nodes[j], value + kUnder * samples.areas[s] * along[i] * along[j]);
         if (i == j) diagonal += value;
       }
   }
@@ -74,7 +91,7 @@ Matrix equations(const SkinSamples& samples, const SamplePlaces& places, const C
 // The samples that follow each joint, and their weights.
 struct Follower {
   std::uint32_t sample;
-  double weight;
+  double weight, slope;
 };
 
 std::vector<std::vector<Follower>> followersOf(const SkinSamples& samples, const SamplePlaces& places,
@@ -82,17 +99,22 @@ std::vector<std::vector<Follower>> followersOf(const SkinSamples& samples, const
   std::vector<std::vector<Follower>> followers(joints);
   for (std::uint32_t s = 0; s < samples.size(); ++s) {
     if (!places[s]) continue;
-    for (const SkinSamples::Weighted& w : samples.weights(s)) followers[w.joint].push_back({s, w.weight});
+    for (std::size_t k = samples.first_weighted[s]; k < samples.first_weighted[s + 1]; ++k)
+      followers[samples.weighted[k].joint].push_back(
+          {s, samples.weighted[k].weight, samples.slopes.empty() ? 0 : samples.slopes[k]});
   }
   return followers;
 }
 
-Eigen::VectorXd rightSide(const SkinSamples& samples, const SamplePlaces& places, std::uint32_t nodes,
+Eigen::VectorXd rightSide(const SkinSamples& samples, const SamplePlaces& places, const Cage& cage,
                           const std::vector<Follower>& followers) {
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(nodes);
-  for (const auto& [s, weight] : followers)
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(cage.nodes());
+  for (const auto& [s, weight, slope] : followers) {
+    const std::array<double, 4> along = alongNormal(*places[s], cage, samples.normals[s]);
     for (std::size_t i = 0; i < 4; ++i)
-      right[places[s]->nodes[i]] += samples.areas[s] * places[s]->weights[i] * weight;
+      right[places[s]->nodes[i]] +=
+          samples.areas[s] * (places[s]->weights[i] * weight + kUnder * along[i] * slope * cage.side);
+  }
   return right;
 }
 
@@ -188,8 +210,7 @@ std::vector<Influences> NodeSolver::weights(std::size_t joints, int threads) con
     parallelRanges(count, 1, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t j = begin; j < end; ++j)
         if (!followers[first + j].empty())
-          solved[j] =
-              equations_->solver.solve(rightSide(samples_, places_, cage_.nodes(), followers[first + j]));
+          solved[j] = equations_->solver.solve(rightSide(samples_, places_, cage_, followers[first + j]));
     });
     constexpr double kLeast = 1e-4;
     for (std::size_t j = 0; j < count; ++j)
