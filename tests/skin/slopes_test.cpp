@@ -32,11 +32,11 @@ TEST(SkinSlopes, PutBackWhatTheSurfaceTurnsOver) {
   shape.frame.node_to_voxel = glm::dmat4(1);
   SkinSamples samples = sampleSkin(shape.soup(), shape.skin(), shape.frame, 2, glm::dvec2(1.0 / 3), 100000);
   const auto moved = [](double turn, const glm::dvec3& by) {
-    return std::vector<std::vector<JointMotions>>{
-        {{glm::dmat4x3(1), glm::dmat4x3(glm::translate(glm::dmat4(1), by) *
-                                        glm::rotate(glm::dmat4(1), turn, glm::dvec3(0, 0, 1)))}}};
+    const glm::dmat4x3 motion(glm::translate(glm::dmat4(1), by) *
+                              glm::rotate(glm::dmat4(1), turn, glm::dvec3(0, 0, 1)));
+    return std::vector<std::vector<SkinMoment>>{{{{glm::dmat4x3(1), motion}, {}}}};
   };
-  const auto find = [&](const std::vector<std::vector<JointMotions>>& moments) {
+  const auto find = [&](const std::vector<std::vector<SkinMoment>>& moments) {
     return slopesUnder(shape.soup(), shape.skin(), shape.frame, samples, moments, 2);
   };
   const auto at = [&](std::size_t s, const glm::dvec3& off, double more, const JointMotions& motions) {
@@ -58,8 +58,8 @@ TEST(SkinSlopes, PutBackWhatTheSurfaceTurnsOver) {
   const std::vector<double> none(samples.weighted.size(), 0), found = find(over);
   int turned = 0;
   for (std::size_t s = 0; s < samples.size(); ++s) {
-    turned += isOver(s, none, over[0][0]);
-    EXPECT_FALSE(isOver(s, found, over[0][0])) << s;
+    turned += isOver(s, none, over[0][0].joints);
+    EXPECT_FALSE(isOver(s, found, over[0][0].joints)) << s;
   }
   EXPECT_GT(turned, static_cast<int>(samples.size()) / 2);
   // Nothing is turned over; or nothing helps: it moves within its own plane.
