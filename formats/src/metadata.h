@@ -42,7 +42,9 @@ struct Metadata {
         joints(allocator),
         cages(allocator),
         cage_words(allocator),
-        influences(allocator) {}
+        influences(allocator),
+        morphs(allocator),
+        moved_nodes(allocator) {}
 
   // Subtracts the bytes of a table from the room that is left. False if the limits do not allow it. Counts
   // have 32 bits, so the product does not overflow.
@@ -72,9 +74,11 @@ struct Metadata {
   Buffer<char> joint_names;
   Buffer<std::uint32_t> joint_parts;
   Buffer<Joint> joints;  // names point into joint_names, parts into joint_parts
-  Buffer<Cage> cages;    // parts point here; spans point into the next two tables
+  Buffer<Cage> cages;    // parts point here; spans point into the next tables
   Buffer<std::uint32_t> cage_words;
   Buffer<Influences> influences;
+  Buffer<Morph> morphs;
+  Buffer<MovedNode> moved_nodes;
 };
 
 Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The CAGE chunk.
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
+#include "array_reader.h"
 #include "cage_maker.h"
 #include "metadata.h"
 #include "record_reader.h"
@@ -11,30 +14,7 @@
 namespace kelp {
 namespace {
 
-// Takes one array after the other.
-class ArrayReader {
- public:
-  ArrayReader(std::span<const std::byte> bytes, std::uint64_t at) : bytes_(bytes), at_(at) {}
-
-  bool has(std::uint64_t bytes) const { return at_ <= bytes_.size() && bytes <= bytes_.size() - at_; }
-  std::span<const std::uint8_t> bytes(std::size_t count) {
-    const auto* const first = reinterpret_cast<const std::uint8_t*>(bytes_.data() + at_);
-    at_ += count;
-    return {first, count};
-  }
-  // In planes.
-  void numbers(std::span<std::uint32_t> out) {
-    for (std::uint32_t& number : out) number = 0;
-    for (unsigned plane = 0; plane < 4; ++plane)
-      for (std::uint32_t& number : out)
-        number |= std::to_integer<std::uint32_t>(bytes_[at_++]) << (8 * plane);
-  }
-  bool done() const { return at_ == bytes_.size(); }
-
- private:
-  std::span<const std::byte> bytes_;
-  std::uint64_t at_;
-};
+constexpr Error kTooShort{ErrorCode::kCorrupt, "the cage table's size does not match its counts", 0};
 
 // A cage, as far as the table says before it is made.
 struct CagePlan {
@@ -45,7 +25,9 @@ struct CagePlan {
   std::uint64_t words = 0, leaf_slots = 0;
   std::size_t part = 0;
   bool influenced = false;  // its nodes follow parts
+  bool morphed = false;     // morph targets move them, too
   std::span<Influences> influences;
+  std::span<const Morph> morphs;
 
   bool isFinest() const { return shape.level == 0; }
   std::uint32_t followers() const { return isFinest() ? 0 : nodes; }
@@ -68,7 +50,12 @@ struct CageTable {
   Result<void> countCages();
   Result<void> readRecords();
   Result<void> measure();
+  // The next `count` numbers of the chunk.
+  Result<void> readNumbers(std::uint64_t count, Buffer<std::uint32_t>& into);
   Result<void> readInfluences();
+  Result<void> readMorphs();
+  Result<void> fillMorph(const CagePlan& plan, std::span<const std::uint32_t> nodes, float step,
+                         std::span<MovedNode> moved) const;
   Result<void> make();
 };
 
@@ -79,10 +66,14 @@ Result<void> CageTable::countCages() {
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < parts; ++i) {
     const std::size_t at = layout::kCageTable + i;
-    const unsigned kind = kindOf(i), log = kind & ~unsigned{layout::kInfluenced};
+    const unsigned kind = kindOf(i), log = kind & 15u;
     if (kind == 0) continue;
-    if (log < 1 || log > 4)
-      return corrupt("the cells of a part's cage do not have a side of 2, 4, 8 or 16", at);
+    if (log < 1 || log > 4 || kind > (layout::kMorphed | layout::kInfluenced | log) ||
+        (kind & (layout::kMorphed | layout::kInfluenced)) == layout::kMorphed)
+      return corrupt(
+          "the cells of a part's cage do not have a side of 2, 4, 8 or 16, or morph targets move "
+          "nodes that follow no parts",
+          at);
     if (out.parts[i].kind != PartKind::kSolid) return corrupt("a part that is not solid has a cage", at);
     count += static_cast<std::uint64_t>(out.parts[i].levels);
   }
@@ -103,7 +94,7 @@ Result<void> CageTable::readRecords() {
   for (std::size_t i = 0; i < out.parts.size(); ++i) {
     Part& part = out.parts[i];
     const unsigned kind = kindOf(i);
-    const int cell = 1 << (kind & ~unsigned{layout::kInfluenced}), count = kind ? part.levels : 0;
+    const int cell = 1 << (kind & 15u), count = kind ? part.levels : 0;
     part.cages = out.cages.span().subspan(next, static_cast<std::size_t>(count));
     for (int level = 0; level < count; ++level) {
       const std::uint32_t* const its = &counts[layout::kCageCounts * next];
@@ -119,40 +110,19 @@ Result<void> CageTable::readRecords() {
       plan.followed = its[4];
       plan.part = i;
       plan.influenced = kind & layout::kInfluenced;
+      plan.morphed = kind & layout::kMorphed;
     }
   }
   return {};
 }
 
-// Takes the first `count` of what is left.
-template <class T>
-std::span<T> take(std::span<T>& from, std::uint64_t count) {
-  const std::span<T> taken = from.first(static_cast<std::size_t>(count));
-  from = from.subspan(taken.size());
-  return taken;
-}
-
-// Of one cage: from differences.
-void sumPoints(std::span<std::uint32_t> points) {
-  std::uint32_t least = 0;
-  for (std::uint32_t& point : points) {
-    point += least;
-    least = point + 1;
-  }
-}
-void sumCells(std::span<std::uint32_t> cells) {
-  std::uint32_t last = 0;
-  for (std::uint32_t& cell : cells) cell = last += cell & 1 ? ~(cell >> 1) : cell >> 1;
-}
-
 // Finds all arrays, and takes room for the cages.
 Result<void> CageTable::measure() {
-  const Error too_short = corrupt("the cage table's size does not match its counts", 0);
   for (CagePlan& plan : plans) {
     const glm::ivec3& grid = plan.shape.grid;
     const std::size_t blocks = static_cast<std::size_t>(grid.x) * static_cast<std::size_t>(grid.y) *
                                static_cast<std::size_t>(grid.z);
-    if (!arrays.has(blocks)) return too_short;
+    if (!arrays.has(blocks)) return kTooShort;
     plan.source.blocks = arrays.bytes(blocks);
   }
   std::uint64_t words = 0, transient = 0, points = 0, followed = 0, influenced = 0;
@@ -162,7 +132,7 @@ Result<void> CageTable::measure() {
     const std::uint64_t masks = std::uint64_t{maker.pieces()} * cageMaskBytes(plan.shape);
     if (plan.nodes > 8 * std::uint64_t{maker.cells()} || plan.faces > 12 * std::uint64_t{maker.cells()})
       return corrupt("a cage has more nodes or faces than its cells have", plan.at);
-    if (!arrays.has(masks)) return too_short;
+    if (!arrays.has(masks)) return kTooShort;
     plan.source.masks = arrays.bytes(static_cast<std::size_t>(masks));
     plan.words = maker.wordsFor(plan.faces);
     plan.leaf_slots = maker.leafSlots();
@@ -173,7 +143,7 @@ Result<void> CageTable::measure() {
     followed += plan.followed;
   }
   const std::uint64_t numbers_bytes = (points + followed) * sizeof(std::uint32_t);
-  if (!arrays.has(numbers_bytes)) return too_short;
+  if (!arrays.has(numbers_bytes)) return kTooShort;
   if (!out.takeRoom(words, sizeof(std::uint32_t)) || !out.takeRoom(influenced, sizeof(Influences)) ||
       transient + numbers_bytes > out.room)
     return tooLarge();
@@ -182,43 +152,48 @@ Result<void> CageTable::measure() {
   std::span<std::uint32_t> cells = numbers.span(), split_points = take(cells, points);
   arrays.numbers(split_points);
   for (CagePlan& plan : plans) {
-    if (!arrays.has(plan.splits)) return too_short;
+    if (!arrays.has(plan.splits)) return kTooShort;
     plan.source.splits = arrays.bytes(plan.splits);
   }
-  if (!arrays.has(cells.size_bytes())) return too_short;
+  if (!arrays.has(cells.size_bytes())) return kTooShort;
   arrays.numbers(cells);
   std::span<Influences> influences = out.influences.span();
   for (CagePlan& plan : plans) {
     const std::span<std::uint32_t> points = take(split_points, plan.split_points),
                                    followed_cells = take(cells, plan.followed);
-    sumPoints(points);
-    sumCells(followed_cells);
+    sumAscending(points);
+    std::uint32_t last = 0;
+    for (std::uint32_t& cell : followed_cells) cell = last += static_cast<std::uint32_t>(unfolded(cell));
     plan.source.split_points = points;
     plan.source.follows = followed_cells;
     if (plan.influenced) plan.influences = take(influences, plan.nodes);
   }
-  return readInfluences();
+  return {};
+}
+
+Result<void> CageTable::readNumbers(std::uint64_t count, Buffer<std::uint32_t>& into) {
+  if (!arrays.has(count * sizeof(std::uint32_t))) return kTooShort;
+  if (count * sizeof(std::uint32_t) > out.room) return tooLarge();
+  if (!into.reset(count)) return outOfMemory("no memory for the cages");
+  arrays.numbers(into.span());
+  return {};
 }
 
 // Of finest cages; those of coarser ones follow from them, when these are made.
 Result<void> CageTable::readInfluences() {
-  const Error too_short = corrupt("the cage table's size does not match its counts", 0);
   std::uint64_t nodes = 0, total = 0;
   for (const CagePlan& plan : plans)
     if (plan.isFinest()) nodes += plan.influences.size();
-  if (!arrays.has(nodes)) return too_short;
+  if (!arrays.has(nodes)) return kTooShort;
   const std::span<const std::uint8_t> counts = arrays.bytes(static_cast<std::size_t>(nodes));
   for (const std::uint8_t count : counts) {
     if (count < 1 || count > 4) return corrupt("a node of a cage follows no part, or more than four", 0);
     total += count;
   }
-  if (!arrays.has(5 * total - nodes)) return too_short;
-  if (total * sizeof(std::uint32_t) > out.room) return tooLarge();
   Buffer<std::uint32_t> parts(out.allocator);
-  if (!parts.reset(total)) return outOfMemory("no memory for the cages");
-  arrays.numbers(parts.span());
+  if (const Result<void> r = readNumbers(total, parts); !r) return r;
+  if (!arrays.has(total - nodes)) return kTooShort;
   const std::span<const std::uint8_t> weights = arrays.bytes(static_cast<std::size_t>(total - nodes));
-  if (!arrays.done()) return too_short;
   std::size_t node = 0, part = 0, weight = 0;
   for (const CagePlan& plan : plans) {
     if (!plan.isFinest()) continue;
@@ -242,6 +217,74 @@ Result<void> CageTable::readInfluences() {
   return {};
 }
 
+// The targets that move a part are the same for all its cages.
+Result<void> CageTable::readMorphs() {
+  Buffer<std::uint32_t> morphs(out.allocator), records(out.allocator), counts(out.allocator),
+      nodes(out.allocator), offsets(out.allocator);
+  const auto isFirst = [](const CagePlan& plan) { return plan.morphed && plan.isFinest(); };
+  const auto parts = std::count_if(plans.begin(), plans.end(), isFirst);
+  if (const Result<void> r = readNumbers(static_cast<std::uint64_t>(parts), morphs); !r) return r;
+  std::uint64_t targets = 0, lists = 0, moved = 0;
+  for (std::size_t next = 0; const CagePlan& plan : plans) {
+    if (!plan.morphed) continue;
+    if (plan.isFinest() && morphs[next] == 0)
+      return corrupt("a part that morph targets move has none", plan.at);
+    if (plan.isFinest()) targets += morphs[next++];
+    lists += morphs[next - 1];
+  }
+  if (const Result<void> r = readNumbers(layout::kMorphCounts * targets, records); !r) return r;
+  if (const Result<void> r = readNumbers(lists, counts); !r) return r;
+  for (const std::uint32_t count : counts) moved += count;
+  if (const Result<void> r = readNumbers(moved, nodes); !r) return r;
+  if (const Result<void> r = readNumbers(3 * moved, offsets); !r) return r;
+  if (!out.takeRoom(lists, sizeof(Morph)) || !out.takeRoom(moved, sizeof(MovedNode))) return tooLarge();
+  if (!out.morphs.reset(lists) || !out.moved_nodes.reset(moved))
+    return outOfMemory("no memory for the cages");
+  std::span<Morph> morphs_left = out.morphs.span();
+  std::span<MovedNode> moved_left = out.moved_nodes.span();
+  std::span<std::uint32_t> nodes_left = nodes.span(), its_records, records_left = records.span();
+  for (std::size_t i = 0; i < moved; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      out.moved_nodes[i].offset[axis] =
+          static_cast<float>(unfolded(offsets[3 * i + static_cast<std::size_t>(axis)]));
+  std::size_t part = 0, list = 0;
+  for (CagePlan& plan : plans) {
+    if (!plan.morphed) continue;
+    if (plan.isFinest())
+      its_records = take(records_left, layout::kMorphCounts * std::uint64_t{morphs[part++]});
+    const std::span<Morph> its = take(morphs_left, its_records.size() / layout::kMorphCounts);
+    for (std::size_t m = 0; m < its.size(); ++m, ++list) {
+      const std::uint32_t of = its_records[2 * m];
+      if (of >= out.parts.size() || out.parts[of].kind != PartKind::kEmpty ||
+          (m > 0 && of <= its[m - 1].part))
+        return corrupt("the parts of morph targets are not empty ones, ascending", plan.at);
+      const std::span<MovedNode> its_nodes = take(moved_left, counts[list]);
+      const std::span<std::uint32_t> numbers = take(nodes_left, counts[list]);
+      sumAscending(numbers);
+      const Result<void> r =
+          fillMorph(plan, numbers, std::bit_cast<float>(its_records[2 * m + 1]), its_nodes);
+      if (!r) return r;
+      its[m] = {of, its_nodes};
+    }
+    plan.morphs = its;
+  }
+  return {};
+}
+
+Result<void> CageTable::fillMorph(const CagePlan& plan, std::span<const std::uint32_t> nodes, float step,
+                                  std::span<MovedNode> moved) const {
+  if (!(step > 0) || !std::isfinite(step))
+    return corrupt("the step of a morph target is not above 0", plan.at);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i] >= plan.nodes || (i > 0 && nodes[i] <= nodes[i - 1]))
+      return corrupt("the nodes that a morph target moves do not ascend, or do not exist", plan.at);
+    moved[i].node = nodes[i];
+    moved[i].offset *= step;
+    if (!isFinite(moved[i].offset)) return corrupt("a morph target moves a node beyond all numbers", plan.at);
+  }
+  return {};
+}
+
 Result<void> CageTable::make() {
   std::span<std::uint32_t> memory = out.cage_words.span();
   for (std::size_t i = 0; i < plans.size(); ++i) {
@@ -261,6 +304,7 @@ Result<void> CageTable::make() {
     if (!cage) return inRecord(cage.error(), plan);
     out.cages[i] = *cage;
     out.cages[i].influences = plan.influences;
+    out.cages[i].morphs = plan.morphs;
     if (plan.isFinest()) continue;
     for (std::uint32_t node = 0; node < plan.influences.size(); ++node)
       plan.influences[node] = out.cages[i - 1].influences[cageInfluencer(*cage, node, out.cages[i - 1])];
@@ -275,6 +319,9 @@ Result<void> parseCages(std::span<const std::byte> chunk, Metadata& out) {
   if (const Result<void> r = table.countCages(); !r) return r;
   if (const Result<void> r = table.readRecords(); !r) return r;
   if (const Result<void> r = table.measure(); !r) return r;
+  if (const Result<void> r = table.readInfluences(); !r) return r;
+  if (const Result<void> r = table.readMorphs(); !r) return r;
+  if (!table.arrays.done()) return kTooShort;
   return table.make();
 }
 

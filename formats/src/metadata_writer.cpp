@@ -1,114 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "metadata_writer.h"
 
-#include <algorithm>
-#include <bit>
 #include <cstdint>
-#include <cstring>
-#include <limits>
-#include <numeric>
 #include <string_view>
 #include <vector>
 
 #include "layout.h"
+#include "record_writer.h"
 
 namespace kelp {
-namespace {
-
-// Writes values one after the other into a table of known size.
-class RecordWriter {
- public:
-  explicit RecordWriter(Buffer<std::byte>& out) : out_(out) {}
-
-  template <class T>
-  void put(const T& value) {
-    layout::store(out_.span(), at_, value);
-    at_ += sizeof(T);
-  }
-  void count(std::size_t n) { put(static_cast<std::uint32_t>(n)); }
-  void skip(std::size_t bytes) { at_ += bytes; }
-  void text(std::string_view text) {
-    if (!text.empty()) std::memcpy(out_.data() + at_, text.data(), text.size());
-    at_ += text.size();
-  }
-  template <class T>
-  void array(const std::vector<T>& values) {
-    if (!values.empty()) std::memcpy(out_.data() + at_, values.data(), values.size() * sizeof(T));
-    at_ += values.size() * sizeof(T);
-  }
-  // Numbers in planes: visit(put) calls put(number) for each of them.
-  template <class Visit>
-  void planes(std::size_t count, const Visit& visit) {
-    std::size_t next = 0;
-    visit([&](std::uint32_t number) {
-      for (std::size_t plane = 0; plane < 4; ++plane)
-        layout::store(out_.span(), at_ + plane * count + next,
-                      static_cast<std::uint8_t>(number >> (8 * plane)));
-      ++next;
-    });
-    at_ += 4 * count;
-  }
-
- private:
-  Buffer<std::byte>& out_;
-  std::size_t at_ = 0;
-};
-
-// Puts the five numbers of each cage of a part.
-template <class Put>
-Result<void> countCages(const RawPart& part, const Put& put) {
-  CageMemory even{Allocator()}, odd{Allocator()};
-  Cage cages[2];
-  for (std::size_t i = 0; i < part.cages.size(); ++i) {
-    const RawCage& raw = part.cages[i];
-    const Result<Cage> cage = makeCage(raw.source(), part.size, static_cast<int>(part.levels.size()),
-                                       part.cell, static_cast<int>(i), i > 0 ? &cages[(i - 1) & 1] : nullptr,
-                                       std::numeric_limits<std::uint64_t>::max(), i & 1 ? odd : even);
-    if (!cage) return cage.error().code == ErrorCode::kOutOfMemory ? kNoMemory : misuse(cage.error().detail);
-    cages[i & 1] = *cage;
-    if (i == 0 && !part.influences.empty() && part.influences.size() != cage->nodes())
-      return misuse("a part does not have influences for each node of its finest cage");
-    put(cage->nodes());
-    put(cage->faces());
-    for (const std::size_t count : {raw.split_points.size(), raw.splits.size(), raw.follows.size()})
-      put(static_cast<std::uint32_t>(count));
-  }
-  return {};
-}
-
-std::size_t influenceCount(const Influences& node) {
-  return static_cast<std::size_t>(std::find(node.weights, node.weights + 4, 0) - node.weights);
-}
-
-// Adds those of a part to `count`. The rest of the rules is checked when the table is read.
-Result<void> countInfluences(const RawPart& part, std::size_t& count) {
-  for (const Influences& node : part.influences) {
-    const unsigned sum = std::accumulate(node.weights, node.weights + influenceCount(node), 0u);
-    if (sum != 255)
-      return misuse("the weights of a cage's node do not sum to 255, or a weight of 0 is not the last");
-    count += influenceCount(node);
-  }
-  return {};
-}
-
-// Puts the influences of all parts.
-void putInfluences(const RawPack& pack, std::size_t count, RecordWriter& to) {
-  const auto forEach = [&](const auto& visit) {
-    for (const RawPart& part : pack.parts)
-      for (const Influences& node : part.influences) visit(node, influenceCount(node));
-  };
-  forEach([&](const Influences&, std::size_t own) { to.put(static_cast<std::uint8_t>(own)); });
-  to.planes(count, [&](const auto& put) {
-    forEach([&](const Influences& node, std::size_t own) {
-      for (std::size_t i = 0; i < own; ++i) put(node.parts[i]);
-    });
-  });
-  forEach([&](const Influences& node, std::size_t own) {
-    for (std::size_t i = 0; i + 1 < own; ++i) to.put(node.weights[i]);
-  });
-}
-
-}  // namespace
 
 bool buildParts(const RawPack& pack, Buffer<std::byte>& out) {
   std::size_t text = 0;
@@ -302,69 +202,6 @@ bool buildJoints(const RawPack& pack, Buffer<std::byte>& out) {
     for (const std::uint32_t part : joint.parts) to.put(part);
   for (const RawJoint& joint : pack.joints) to.text(joint.name);
   return true;
-}
-
-Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
-  std::size_t cages = 0, points = 0, follows = 0, influences = 0;
-  std::uint64_t bytes = layout::kCageTable + pack.parts.size();
-  for (const RawPart& part : pack.parts) {
-    if (part.cages.empty() && !part.influences.empty()) return misuse("a part without a cage has influences");
-    if (part.cages.empty()) continue;
-    if (const Result<void> r = countInfluences(part, influences); !r) return r;
-    if (part.cell != 2 && part.cell != 4 && part.cell != 8 && part.cell != 16)
-      return misuse("the cells of a part's cage do not have a side of 2, 4, 8 or 16");
-    if (part.cages.size() != part.levels.size())
-      return misuse("a part does not have one cage for each of its levels");
-    cages += part.cages.size();
-    for (const RawCage& cage : part.cages) {
-      points += cage.split_points.size();
-      follows += cage.follows.size();
-      bytes += cage.blocks.size() + cage.masks.size() + cage.splits.size();
-    }
-  }
-  bytes += layout::kCageRecord * cages + sizeof(std::uint32_t) * (points + follows) + 5 * influences;
-  if (bytes > std::numeric_limits<std::uint32_t>::max()) return misuse("the cages take more than 4 GiB");
-  if (!out.reset(bytes)) return kNoMemory;
-  RecordWriter to(out);
-  to.count(pack.parts.size());
-  for (const RawPart& part : pack.parts)
-    to.put(static_cast<std::uint8_t>(part.cages.empty()
-                                         ? 0
-                                         : std::countr_zero(static_cast<unsigned>(part.cell)) |
-                                               (part.influences.empty() ? 0 : layout::kInfluenced)));
-  Result<void> counted;
-  to.planes(layout::kCageCounts * cages, [&](const auto& put) {
-    for (const RawPart& part : pack.parts)
-      if (counted) counted = countCages(part, put);
-  });
-  if (!counted) return counted;
-  const auto forEach = [&](const auto& visit) {
-    for (const RawPart& part : pack.parts)
-      for (const RawCage& cage : part.cages) visit(cage);
-  };
-  forEach([&](const RawCage& cage) { to.array(cage.blocks); });
-  forEach([&](const RawCage& cage) { to.array(cage.masks); });
-  to.planes(points, [&](const auto& put) {
-    forEach([&](const RawCage& cage) {
-      std::uint32_t least = 0;
-      for (const std::uint32_t point : cage.split_points) {
-        put(point - least);
-        least = point + 1;
-      }
-    });
-  });
-  forEach([&](const RawCage& cage) { to.array(cage.splits); });
-  to.planes(follows, [&](const auto& put) {
-    forEach([&](const RawCage& cage) {
-      std::uint32_t last = 0;
-      for (const std::uint32_t cell : cage.follows) {
-        put(cell < last ? 2 * (last - cell) - 1 : 2 * (cell - last));
-        last = cell;
-      }
-    });
-  });
-  putInfluences(pack, influences, to);
-  return {};
 }
 
 }  // namespace kelp

@@ -147,6 +147,7 @@ class RigWriter {
       part.cell = (*rigs_.cages)[i].cell;
       part.cages = (*rigs_.cages)[i].cages;
       part.influences = (*rigs_.cages)[i].influences;
+      part.morphs = (*rigs_.cages)[i].morphs;
       has_new_cages_ = has_new_cages_ || !part.cages.empty();
     }
     if (!has_new_cages_) return {};

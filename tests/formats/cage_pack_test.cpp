@@ -35,6 +35,11 @@ RawPack makeRandomCagePack(std::uint32_t seed) {
   for (int i = 0; i < 4; ++i) pack.parts.push_back(pack.parts[1]);  // more to follow
   for (std::size_t i = 2; i < 4; ++i)
     if (random() % 3 > 0) test::addInfluences(pack.parts[i], i, pack.parts.size(), random());
+  const auto first = static_cast<std::uint32_t>(pack.parts.size());
+  for (std::size_t i = 2; i < 4; ++i)
+    if (random() % 2 > 0 && !pack.parts[i].influences.empty())
+      test::addMorphs(pack.parts[i], {first, first + 1}, random());
+  for (int i = 0; i < 2; ++i) pack.parts.push_back(test::makeTinyMorphPack().parts.back());
   return pack;
 }
 
@@ -105,6 +110,29 @@ TEST(CagePack, TheWriterRefusesWrongInfluences) {
   EXPECT_TRUE(refuses([](RawPart& part) { part.cages.clear(); }));
 }
 
+TEST(CagePack, TheWriterRefusesWrongMorphs) {
+  const auto refuses = [](auto spoil) {
+    RawPack pack = test::makeTinyMorphPack();
+    spoil(pack.parts[2]);
+    std::vector<std::byte> bytes;
+    const Result<void> written = writePack(pack, Sink::into(bytes));
+    EXPECT_EQ(bytes.empty(), !written);
+    return !written && written.error().code == ErrorCode::kMisuse;
+  };
+  EXPECT_FALSE(refuses([](RawPart& part) { part.morphs.pop_back(); }));
+  EXPECT_FALSE(refuses([](RawPart& part) { part.morphs[0].nodes = {}, part.morphs[0].offsets = {}; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.morphs[0].nodes.pop_back(); }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.morphs[0].nodes.back() = 1u << 20; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { std::swap(part.morphs[0].nodes[0], part.morphs[0].nodes[1]); }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.morphs[0].offsets[0].y = -(1 << 20) - 1; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.morphs[0].part = 0; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.morphs[0].part = 4; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.morphs[0].part = 5; }));
+  for (const float step : {0.0f, -1.0f, test::kNan, test::kInfinity, 1e37f})
+    EXPECT_TRUE(refuses([step](RawPart& part) { part.morphs[1].step = step; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.influences.clear(); }));
+}
+
 // The limits on metadata bound cages too, and what making them takes.
 TEST(CagePack, MemoryIsBounded) {
   const glm::ivec3 size(40);
@@ -171,7 +199,8 @@ TEST(CagePack, OtherCagesReplaceIt) {
       RawRigs rigs{caged.info_json, {}, caged.clips, caged.sockets, std::vector<RawCages>()};
       for (const RawPart& part : caged.parts) {
         rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at, part.bend, part.roll});
-        rigs.cages->push_back(to_caged ? RawCages{part.cell, part.cages, part.influences} : RawCages{});
+        rigs.cages->push_back(to_caged ? RawCages{part.cell, part.cages, part.influences, part.morphs}
+                                       : RawCages{});
       }
       MemorySource source(from);
       std::vector<std::byte> to;

@@ -28,6 +28,7 @@ class Cage:
         self.voxels = side >> level  # along an edge of a mask
         self.follows = ()
         self.influences = []  # of each node: part, weight, part, weight, ...
+        self.morphs = []  # part, [(node, offset), ...]
 
     def block(self, place):
         """Of a cube; None beyond the lattice."""

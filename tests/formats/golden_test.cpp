@@ -42,7 +42,8 @@ const Golden kGoldens[] = {{"solid.kelp", test::makeTinyPack},
                            {"distance.kelp", test::makeTinyDistancePack},
                            {"empty.kelp", test::makeTinyEmptyPack},
                            {"joints.kelp", test::makeTinyJointPack},
-                           {"cage.kelp", test::makeTinyCagePack}};
+                           {"cage.kelp", test::makeTinyCagePack},
+                           {"morphs.kelp", test::makeTinyMorphPack}};
 
 TEST(Golden, ReadsAsItWasWritten) {
   for (const Golden& golden : kGoldens) {
@@ -54,10 +55,11 @@ TEST(Golden, ReadsAsItWasWritten) {
     const test::Comparison result = test::compare(*pack, golden.make());
     ASSERT_TRUE(result.status);
     EXPECT_TRUE(result.equal);
-    EXPECT_EQ(pack->minorVersion(), golden.make == test::makeTinyCagePack    ? 3
-                                    : golden.make == test::makeTinyJointPack ? 2
-                                    : golden.make == test::makeTinyEmptyPack ? 1
-                                                                             : 0);
+    EXPECT_EQ(pack->minorVersion(),
+              golden.make == test::makeTinyCagePack || golden.make == test::makeTinyMorphPack ? 3
+              : golden.make == test::makeTinyJointPack                                        ? 2
+              : golden.make == test::makeTinyEmptyPack                                        ? 1
+                                                                                              : 0);
     EXPECT_EQ(verify(file->source(), {}, nullptr, nullptr), 0u);
   }
 }

@@ -7,6 +7,7 @@
 #include "cage_lies.h"
 #include "joint_lies.h"
 #include "lying_pack.h"
+#include "morph_lies.h"
 #include "socket_lies.h"
 
 namespace kelp {
@@ -302,6 +303,7 @@ TEST(Hostile, LiesInTheClipsAreRefused) { expectAllRefused(kClipLies); }
 TEST(Hostile, LiesInTheSocketsAreRefused) { expectAllRefused(test::kSocketLies); }
 TEST(Hostile, LiesInTheJointsAreRefused) { expectAllRefused(test::kJointLies, test::makeTinyJointPack()); }
 TEST(Hostile, LiesInTheCagesAreRefused) { expectAllRefused(test::kCageLies, test::makeTinyCagePack()); }
+TEST(Hostile, LiesInMorphsAreRefused) { expectAllRefused(test::kMorphLies, test::makeTinyMorphPack()); }
 TEST(Hostile, LiesInGridsAreRefused) { expectAllRefused(kGridLies); }
 TEST(Hostile, LiesInPagesAreRefused) { expectAllRefused(kPageLies); }
 

@@ -212,6 +212,7 @@ TEST(Hostile, EveryFailedAllocationIsReportedAndNothingLeaks) {
   expectFailedAllocationsReported(test::makeTinyFogPack());
   expectFailedAllocationsReported(test::makeTinyJointPack());
   expectFailedAllocationsReported(test::makeTinyCagePack());
+  expectFailedAllocationsReported(test::makeTinyMorphPack());
 }
 
 TEST(Hostile, AllocatorsLackNothing) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -56,6 +57,33 @@ std::vector<std::byte> bytesOf(const Range& range) {
   return bytes;
 }
 
+// True if the nodes that a morph target moves are those of `exact`, in steps, rounded.
+inline bool isMoved(const Morph& morph, const std::vector<glm::dvec3>& exact, float step) {
+  std::size_t next = 0;
+  for (std::size_t node = 0; node < exact.size(); ++node) {
+    glm::dvec3 steps(0);
+    if (next < morph.moved.size() && morph.moved[next].node == node)
+      steps = glm::dvec3(morph.moved[next++].offset) / static_cast<double>(step);
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::abs(steps[axis] - exact[node][axis]) > 0.501 ||
+          std::abs(steps[axis] - std::round(steps[axis])) > 1e-3)
+        return false;
+  }
+  return next == morph.moved.size();
+}
+inline bool areMorphs(const Part& part, std::size_t cage, const RawPart& raw) {
+  const std::span<const Morph> morphs = part.cages[cage].morphs;
+  bool same = morphs.size() == raw.morphs.size();
+  for (std::size_t m = 0; m < raw.morphs.size() && same; ++m) {
+    std::vector<glm::dvec3> exact(part.cages[0].nodes(), glm::dvec3(0));
+    for (std::size_t i = 0; i < raw.morphs[m].nodes.size(); ++i)
+      exact[raw.morphs[m].nodes[i]] = raw.morphs[m].offsets[i];
+    for (std::size_t i = 1; i <= cage; ++i) exact = coarserOffsets(part.cages[i], part.cages[i - 1], exact);
+    same = morphs[m].part == raw.morphs[m].part && isMoved(morphs[m], exact, raw.morphs[m].step);
+  }
+  return same;
+}
+
 // True if a cage is as makeCage() makes it of what was written.
 inline bool isCage(const Part& part, std::size_t i, const RawPart& raw) {
   CageMemory memory;
@@ -66,7 +94,7 @@ inline bool isCage(const Part& part, std::size_t i, const RawPart& raw) {
   std::vector<Influences> influences = raw.influences;
   for (std::size_t level = 1; level <= i; ++level)
     influences = coarserInfluences(part.cages[level], part.cages[level - 1], influences);
-  return want &&
+  return want && areMorphs(part, i, raw) &&
          std::equal(cage.influences.begin(), cage.influences.end(), influences.begin(), influences.end()) &&
          cage.side == want->side && cage.level == want->level && cage.last_level == want->last_level &&
          cage.grid == want->grid && bytesOf(cage.words) == bytesOf(want->words) &&

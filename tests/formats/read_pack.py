@@ -99,7 +99,11 @@ def regular(m):
     return math.isfinite(determinant) and determinant != 0
 
 
-PI = struct.unpack("<f", struct.pack("<f", math.pi))[0]
+def single(number):
+    return struct.unpack("<f", struct.pack("<f", number))[0]
+
+
+PI = single(math.pi)
 METADATA = ["INFO", "PART", "MATL", "FOGS", "RIGS", "CLIP", "SOCK", "JNTS", "CAGE"]
 REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "FOGS": 1, "RIGS": 1, "CLIP": 0, "SOCK": 0, "JNTS": 0, "CAGE": 0,
         "GRID": 1, "BRCK": 1, "FOGB": 1, "DGRD": 0, "DIST": 0}
@@ -346,9 +350,10 @@ class Pack:
     def read_cages(self, table):
         need(table.one("I") == len(self.parts), "cages of another number of parts")
         kinds = table.take("%dB" % len(self.parts))
-        need(any(kinds) and all(k == 0 or k & ~16 in (1, 2, 3, 4) for k in kinds), "sides of cells")
+        need(any(kinds) and all(k == 0 or k & 15 in (1, 2, 3, 4) and k & ~15 in (0, 16, 48) for k in kinds),
+                "sides of cells")
         cages = []
-        for part, log in zip(self.parts, [k & ~16 for k in kinds]):
+        for part, log in zip(self.parts, [k & 15 for k in kinds]):
             need(log == 0 or part["kind"] == 0, "a cage of a part that is not solid")
             for level in range(part["levels"] if log else 0):
                 part["cages"].append(Cage(1 << log, level, part["levels"], part["size"]))
@@ -382,6 +387,7 @@ class Pack:
                 need(all(a < b for a, b in zip(least, least[1:])), "order of parts")
                 need(own not in its and min(shares) > 0, "a node's own part, or weights")
                 cage.influences.append(list(itertools.chain(*zip(its, shares))) + [0, 0] * (4 - n))
+        self.read_morphs(table, [part["cages"] for part, kind in zip(self.parts, kinds) if kind & 32])
         table.end()
         for part in self.parts:
             for finer, cage in zip([None] + part["cages"], part["cages"]):
@@ -389,6 +395,31 @@ class Pack:
                     cage.follow(finer, named.pop(0))
                 else:
                     need(not named.pop(0), "the finest cage follows cells")
+
+    def read_morphs(self, table, caged):
+        targets = table.planes(len(caged))
+        records = iter(table.planes(2 * sum(targets)))
+        lists = [cage for cages, count in zip(caged, targets) for cage in cages for _ in range(count)]
+        counts = table.planes(len(lists))
+        steps, offsets = iter(table.planes(sum(counts))), iter(table.planes(3 * sum(counts)))
+        counts = iter(counts)
+        for cages, count in zip(caged, targets):
+            need(count >= 1, "morph targets of a part")
+            its = [(next(records), struct.unpack("<f", struct.pack("<I", next(records)))[0])
+                    for _ in range(count)]
+            least = [part for part, _ in its] + [len(self.parts)]
+            need(all(a < b for a, b in zip(least, least[1:])), "order of morph targets")
+            need(all(self.parts[part]["kind"] == 2 for part, _ in its), "a morph target that is not empty")
+            need(all(0 < step < math.inf for _, step in its), "step of a morph target")
+            for cage in cages:
+                for part, step in its:
+                    n = next(counts)
+                    nodes = [p - 1 for p in itertools.accumulate(next(steps) + 1 for _ in range(n))]
+                    need(not nodes or nodes[-1] < len(cage.places), "nodes that a morph target moves")
+                    back = lambda v: -(v + 1) // 2 if v % 2 else v // 2
+                    moved = [[step * single(back(next(offsets))) for _ in range(3)] for _ in range(n)]
+                    need(all(abs(v) < 2.0**128 for offset in moved for v in offset), "offset of a node")
+                    cage.morphs.append((part, list(zip(nodes, moved))))
 
     # Section 5
     def read_levels(self):
@@ -619,7 +650,9 @@ def dump_cage(cage):
             cage.masks, flat(cage.places), cage.follows, flat(cage.influences)]
     return "cage side %d levels %d %d cells %d nodes %d faces %d crc " % (
             cage.side, cage.level, cage.last, len(cage.cells), len(cage.places),
-            len(cage.faces)) + " ".join("%08x" % crc_words(table) for table in tables)
+            len(cage.faces)) + " ".join("%08x" % crc_words(table) for table in tables) + "".join(
+            "\nmorph %d" % part + "".join(" %d %s" % (node, bits(offset)) for node, offset in moved)
+            for part, moved in cage.morphs)
 
 
 def dump(pack):

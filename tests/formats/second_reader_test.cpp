@@ -16,6 +16,7 @@
 #include "cage_lies.h"
 #include "joint_lies.h"
 #include "kelp/formats/verify.h"
+#include "morph_lies.h"
 #include "pack_compare.h"
 #include "pack_surgeon.h"
 #include "socket_lies.h"
@@ -98,6 +99,16 @@ std::vector<std::uint8_t> withoutRanks(std::vector<std::uint8_t> codes) {
   return codes;
 }
 
+// offsets: for each node of a cage, in steps.
+std::string dump(const RawMorph& morph, const std::vector<glm::dvec3>& offsets) {
+  std::string out = format("morph %u", morph.part);
+  for (std::size_t node = 0; node < offsets.size(); ++node) {
+    const glm::ivec3 steps(glm::round(offsets[node]));
+    if (steps != glm::ivec3(0)) out += format(" %zu ", node) + bits(morph.step * glm::vec3(steps));
+  }
+  return out + "\n";
+}
+
 std::string dump(const Cage& cage) {
   std::vector<std::uint32_t> places, nodes, beyond, faces, masks, rest, influences;
   for (std::uint32_t i = 0; i < cage.cells(); ++i) {
@@ -124,6 +135,7 @@ std::string dump(const Cage& cage) {
 std::string dumpCages(const RawPart& part) {
   std::string out;
   std::vector<Influences> influences = part.influences;
+  std::vector<std::vector<glm::dvec3>> offsets(part.morphs.size());
   std::vector<CageMemory> memory(part.cages.size());
   std::vector<Cage> cages;
   for (std::size_t i = 0; i < part.cages.size(); ++i) {
@@ -133,9 +145,16 @@ std::string dumpCages(const RawPart& part) {
     EXPECT_TRUE(cage);
     if (!cage) return out;
     if (i > 0) influences = test::coarserInfluences(*cage, cages.back(), influences);
+    for (std::size_t m = 0; m < offsets.size(); ++m) {
+      if (i > 0) offsets[m] = test::coarserOffsets(*cage, cages.back(), offsets[m]);
+      if (i == 0) offsets[m].assign(cage->nodes(), glm::dvec3(0));
+      for (std::size_t n = 0; i == 0 && n < part.morphs[m].nodes.size(); ++n)
+        offsets[m][part.morphs[m].nodes[n]] = part.morphs[m].offsets[n];
+    }
     cages.push_back(*cage);
     cages.back().influences = influences;
     out += dump(cages.back());
+    for (std::size_t m = 0; m < offsets.size(); ++m) out += dump(part.morphs[m], offsets[m]);
   }
   return out;
 }
@@ -211,7 +230,8 @@ std::string dump(const RawPack& pack) {
 TEST(SecondReader, ReadsWhatTheWriterWrote) {
   std::vector<RawPack> packs = {test::makeTinyPack(),         test::makeTinyFogPack(),
                                 test::makeTinyDistancePack(), test::makeTinyEmptyPack(),
-                                test::makeTinyJointPack(),    test::makeTinyCagePack()};
+                                test::makeTinyJointPack(),    test::makeTinyCagePack(),
+                                test::makeTinyMorphPack()};
   packs.push_back(test::makeTinyFogPack());
   packs.back().parts[2].bend = Bend::kSweep;
   for (std::uint32_t seed = 50; seed < 52; ++seed) packs.push_back(test::makeRandomPack(seed, {3, 50, 3, 3}));
@@ -225,9 +245,9 @@ TEST(SecondReader, ReadsWhatTheWriterWrote) {
 }
 
 TEST(SecondReader, SeesEveryChangedByte) {
-  for (const RawPack& pack :
-       {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
-        test::makeTinyEmptyPack(), test::makeTinyJointPack(), test::makeTinyCagePack()}) {
+  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
+                              test::makeTinyEmptyPack(), test::makeTinyJointPack(), test::makeTinyCagePack(),
+                              test::makeTinyMorphPack()}) {
     const PackFile file(test::writeToMemory(pack));
     const Answer damaged = readPack("--damage \"" + file.path.string() + "\"");
     if (damaged.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
@@ -241,9 +261,9 @@ TEST(SecondReader, RefusesTheSameLies) {
   const auto below = [&](std::size_t count) { return static_cast<std::size_t>(random() % count); };
   const int lies = test::allTests() ? 60 : 6;  // of each pack
   int refused = 0, accepted = 0;
-  for (const RawPack& pack :
-       {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
-        test::makeTinyEmptyPack(), test::makeTinyJointPack(), test::makeTinyCagePack()}) {
+  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack(),
+                              test::makeTinyEmptyPack(), test::makeTinyJointPack(), test::makeTinyCagePack(),
+                              test::makeTinyMorphPack()}) {
     const test::PackSurgeon sound(test::writeToMemory(pack));
     for (int i = 0; i < lies; ++i) {
       test::PackSurgeon lying = sound;
@@ -293,6 +313,9 @@ TEST(SecondReader, RefusesLiesAboutJoints) {
 }
 TEST(SecondReader, RefusesLiesAboutCages) {
   expectRefused(test::kCageLies, test::writeToMemory(test::makeTinyCagePack()));
+}
+TEST(SecondReader, RefusesLiesAboutMorphs) {
+  expectRefused(test::kMorphLies, test::writeToMemory(test::makeTinyMorphPack()));
 }
 
 }  // namespace

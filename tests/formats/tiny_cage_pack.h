@@ -95,4 +95,22 @@ inline RawPack makeTinyCagePack() {
   return pack;
 }
 
+// Five parts, of which the comb has three cages, whose nodes the last two move as morph targets. Its bytes
+// are checked in as golden/morphs.kelp.
+inline RawPack makeTinyMorphPack() {
+  RawPack pack = makeTinyPack();
+  RawPart comb = makeCagedPart({22, 13, 3}, 3, 4, isComb), target;
+  comb.name = "comb";
+  addInfluences(comb, 2, 3, 2);
+  addMorphs(comb, {3, 4}, 3);
+  pack.parts.push_back(comb);
+  target.size = {1, 1, 1};
+  target.knots = {{0, {0, 0, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}};
+  for (const char* const name : {"smile", "frown"}) {
+    target.name = name;
+    pack.parts.push_back(target);
+  }
+  return pack;
+}
+
 }  // namespace kelp::test

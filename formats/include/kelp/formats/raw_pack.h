@@ -56,7 +56,7 @@ struct RawMorph {
   std::uint32_t part = 0;
   float step = 0;                    // level-0 voxels, > 0: the unit of the offsets
   std::vector<std::uint32_t> nodes;  // ascending strictly
-  std::vector<glm::ivec3> offsets;   // one for each
+  std::vector<glm::ivec3> offsets;   // one for each, at most 2^20
 };
 
 // Like Fog.

@@ -281,6 +281,45 @@ inline void addInfluences(RawPart& part, std::size_t own, std::size_t parts, std
   }
 }
 
+// The offsets of a coarser cage's nodes, in steps, from those of the finer one's.
+inline std::vector<glm::dvec3> coarserOffsets(const Cage& cage, const Cage& finer,
+                                              const std::vector<glm::dvec3>& of_finer) {
+  std::vector<glm::dvec3> offsets;
+  for (std::uint32_t node = 0; node < cage.nodes(); ++node) {
+    if (!(cage.follows[node] & kFollowsAll)) {
+      offsets.push_back(of_finer[cage.follows[node]]);
+      continue;
+    }
+    const std::uint32_t cell = cage.follows[node] & ~kFollowsAll;
+    const glm::dvec3 f =
+        glm::dvec3(cage.rest(node) - finer.rest(finer.node(cell, 0))) / static_cast<double>(finer.side);
+    glm::dvec3 sum(0);
+    for (int corner = 0; corner < 8; ++corner) {
+      double weight = 0.125;
+      for (int axis = 0; axis < 3; ++axis) weight += (corner >> axis & 1 ? 0.25 : -0.25) * (f[axis] - 0.5);
+      sum += weight * of_finer[finer.node(cell, corner)];
+    }
+    offsets.push_back(sum);
+  }
+  return offsets;
+}
+
+// Lets morph targets move some nodes of a part with cages.
+inline void addMorphs(RawPart& part, const std::vector<std::uint32_t>& targets, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  for (const std::uint32_t target : targets) {
+    RawMorph& morph = part.morphs.emplace_back();
+    morph.part = target;
+    morph.step = 1.0f / static_cast<float>(1 + random() % 100);
+    for (std::uint32_t node = 0; node < part.influences.size(); ++node) {
+      if (random() % 3 > 0) continue;
+      morph.nodes.push_back(node);
+      morph.offsets.push_back(glm::ivec3(random() % 601, random() % 601, random() % 601) - 300);
+      if (morph.offsets.back() == glm::ivec3(0)) morph.offsets.back().x = 1;
+    }
+  }
+}
+
 // The solid voxels of a raw level 0.
 inline IsSolid solidOf(const RawPart& part) {
   return [&part](const glm::ivec3& voxel) {
