@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""glTF files with morph targets, made in memory: morph_files.py FOLDER writes each as NAME.gltf. `stress` is of
-the kind of Khronos's MorphStressTest: a block of which each of eight targets raises a place."""
+"""glTF files with morph targets: morph_files.py FOLDER writes each as NAME.gltf. `stress` is of the kind of
+Khronos's MorphStressTest: a block of which each of eight targets raises a place."""
 
 import json
 import math
@@ -46,7 +46,7 @@ def flat(vectors):
 
 
 class File(Gltf):
-    """Nodes, meshes and animations beside the accessors. All nodes are roots, but `joints`, which are a chain."""
+    """Nodes, meshes and animations beside the accessors. Nodes are roots, but those of a chain of joints."""
 
     def __init__(self):
         super().__init__()
@@ -55,8 +55,8 @@ class File(Gltf):
     def sparse(self, vectors):
         """An accessor of zeros, of which those that are none are stored."""
         moved = [i for i, vector in enumerate(vectors) if any(vector)]
-        indices, values = (self.add("SCALAR", USHORT, moved), self.add("VEC3", FLOAT, flat(vectors[i] for i in moved)))
-        views = [self.accessors[a]["bufferView"] for a in (indices, values)]
+        stored = (self.add("SCALAR", USHORT, moved), self.add("VEC3", FLOAT, flat(vectors[i] for i in moved)))
+        views = [self.accessors[a]["bufferView"] for a in stored]
         self.accessors.append({"componentType": FLOAT, "type": "VEC3", "count": len(vectors), "sparse": {
             "count": len(moved), "indices": {"bufferView": views[0], "componentType": USHORT},
             "values": {"bufferView": views[1]}}})
@@ -64,8 +64,8 @@ class File(Gltf):
 
     def mesh(self, points, faces, targets, names=None, sparse=False, weights=None, follow=None):
         """A node with a mesh; targets: functions of a point; follow(point): its joints and weights."""
-        attributes = {"POSITION": self.add("VEC3", FLOAT, flat(points), min=[min(p[k] for p in points) for k in range(3)],
-                                           max=[max(p[k] for p in points) for k in range(3)])}
+        low, high = ([choose(p[k] for p in points) for k in range(3)] for choose in (min, max))
+        attributes = {"POSITION": self.add("VEC3", FLOAT, flat(points), min=low, max=high)}
         if follow:
             attributes["JOINTS_0"] = self.add("VEC4", USHORT, flat(follow(p)[0] for p in points))
             attributes["WEIGHTS_0"] = self.add("VEC4", FLOAT, flat(follow(p)[1] for p in points))
@@ -80,7 +80,8 @@ class File(Gltf):
         if weights:
             mesh["weights"] = weights
         self.meshes.append(mesh)
-        return self.node("body%d" % (len(self.meshes) - 1), mesh=len(self.meshes) - 1, **({"skin": 0} if follow else {}))
+        index = len(self.meshes) - 1
+        return self.node("body%d" % index, mesh=index, **({"skin": 0} if follow else {}))
 
     def node(self, name, root=True, **more):
         self.nodes.append({"name": name, **more})
@@ -102,8 +103,9 @@ class File(Gltf):
     def animate(self, clip, node, path, times, values, interpolation="LINEAR"):
         animation = self.animations.setdefault(clip, {"name": clip, "samplers": [], "channels": []})
         kind = {"weights": "SCALAR", "rotation": "VEC4"}.get(path, "VEC3")
-        animation["samplers"].append({"input": self.add("SCALAR", FLOAT, times, min=[times[0]], max=[times[-1]]),
-                                      "output": self.add(kind, FLOAT, values), "interpolation": interpolation})
+        keys = self.add("SCALAR", FLOAT, times, min=[times[0]], max=[times[-1]])
+        animation["samplers"].append({"input": keys, "output": self.add(kind, FLOAT, values),
+                                      "interpolation": interpolation})
         animation["channels"].append({"sampler": len(animation["samplers"]) - 1,
                                       "target": {"node": node, "path": path}})
 
@@ -157,7 +159,8 @@ def skinned():
     def lean(p):
         return [0.06 * p[1] * p[1], 0, 0]
 
-    node = file.mesh(*box((-0.4, 0, -0.4), (0.4, 4, 0.4), 0.1), [bulge, lean], ["bulge", "lean"], follow=follow)
+    node = file.mesh(*box((-0.4, 0, -0.4), (0.4, 4, 0.4), 0.1), [bulge, lean], ["bulge", "lean"],
+                     follow=follow)
     bones = file.joints([(0, float(k), 0) for k in range(4)])
     for k in range(1, 4):
         file.animate("curl", bones + k, "rotation", [0, 1, 2],
@@ -168,9 +171,10 @@ def skinned():
 
 
 def sparse():
-    """Targets of which few values are stored, of a mesh that its node turns and stretches; no names, no clips."""
+    """Targets of which few values are stored, of a mesh that is turned and mirrored; no names or clips."""
     file = File()
-    targets = [lambda p, k=k: [0, 0, 0.4 * p[2] * bump(p[1] - 0.5 - k, 0.6) * bump(p[0], 0.5)] for k in range(2)]
+    targets = [lambda p, k=k: [0, 0, 0.4 * p[2] * bump(p[1] - 0.5 - k, 0.6) * bump(p[0], 0.5)]
+               for k in range(2)]
     node = file.mesh(*box((-0.5, 0, -0.5), (0.5, 2, 0.5), 0.1), targets, sparse=True)
     file.nodes[node].update(rotation=[0, 0, math.sin(0.3), math.cos(0.3)], scale=[1, 1.5, -0.8],
                             translation=[3, 1, 2])
@@ -200,7 +204,38 @@ def pair():
     return file.json()
 
 
-FILES = {"stress": stress, "skinned": skinned, "sparse": sparse, "resting": resting, "pair": pair}
+def jaws():
+    """A block with a slit that is closed: above and below it, the mesh goes different ways."""
+    file, points, faces = File(), [], []
+    along = [-1 + 0.125 * k for k in range(17)]
+
+    def point(x, z, row, side):
+        gap = 0.004 if z > 0 else 0
+        return [x, side * (gap + (1 - gap) * row / 8), z]
+
+    def quad(a, b, c, d, flip=False):
+        first = len(points)
+        points.extend([a, d, c, b] if flip else [a, b, c, d])
+        faces.extend([first, first + 1, first + 2, first, first + 2, first + 3])
+
+    square = ((0, 0), (1, 0), (1, 1), (0, 1))
+    for side in (1, -1):
+        for i in range(16):
+            for row in range(8):
+                for x in (1, -1):  # the ends
+                    quad(*(point(x, along[i + a], row + b, side) for b, a in square), x * side < 0)
+                for z in (1, -1):  # front and back
+                    quad(*(point(along[i + a], z, row + b, side) for a, b in square), z * side < 0)
+            for k in range(16):  # top and bottom; the slit
+                for row in (8, 0) if along[k] >= 0 else (8,):
+                    quad(*(point(along[i + a], along[k + b], row, side) for b, a in square),
+                         side * (row - 4) < 0)
+    file.mesh(points, faces, [lambda p: [0, math.copysign(0.5 * max(p[2], 0), p[1]), 0]], ["open"])
+    return file.json()
+
+
+FILES = {"stress": stress, "skinned": skinned, "sparse": sparse, "resting": resting, "pair": pair,
+         "jaws": jaws}
 
 
 def main(folder):

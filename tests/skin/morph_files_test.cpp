@@ -108,6 +108,14 @@ TEST(MorphFiles, Resting) {
   EXPECT_TRUE(anyContains(baked.report.notices, "'shear' 0.5, 'swell' -0.25"));
 }
 
+// Lips that touch go apart: no cell holds both.
+TEST(MorphFiles, SurfacesThatTouchGoApart) {
+  const MorphedPack baked(fileNamed("jaws"));
+  expectSound(baked);
+  EXPECT_FALSE(baked.body().cages[0].split_points.empty());
+  EXPECT_LE(baked.farAlone({0}, baked.named("open"), 0, 1), 0.3);
+}
+
 TEST(MorphFiles, ThoseOfOneNameThatMoveAlikeAreOne) {
   const MorphedPack baked(fileNamed("pair"));
   expectSound(baked);

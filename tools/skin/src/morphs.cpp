@@ -54,9 +54,11 @@ void noteStill(const SourceSkin& skin, const std::vector<RawMorph>& moves,
       names += (names.empty() ? "'" : ", '") + skin.morphs[m].name + "'";
   if (count > kMostNames) names += fmt::format(" and {} more", count - kMostNames);
   if (count > 0)
-    notices.push_back(fmt::format(
-        "morph targets that move nothing by a fiftieth of a voxel at this resolution are left out: {}",
-        names));
+    notices.push_back(
+        fmt::format("morph targets that move nothing by a fiftieth of a voxel at this resolution, or "
+                    "something out of all "
+                    "sight, are left out: {}",
+                    names));
 }
 
 }  // namespace

@@ -154,7 +154,7 @@ SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fram
                 {}};
   for (std::size_t m = 0; m < skin.morphs.size(); ++m) body.morphs.push_back(body.offsets(m, body.judged));
   {
-    SkinCuts cuts(soup, frame, body.known.samples, body.solid);
+    SkinCuts cuts(soup, skin, frame, body.known.samples, body.solid);
     for (PlacedSamples* of : {&body.known, &body.judged})
       for (std::size_t i = 0; i < of->samples.size(); ++i) of->voxels.push_back(cuts.voxelOf(of->samples, i));
     body.cuts = cuts.voxels();

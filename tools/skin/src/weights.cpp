@@ -255,7 +255,8 @@ RawMorph NodeSolver::morph(const std::vector<Offset>& of_samples) const {
         right(place.nodes[i], axis) += samples_.areas[offset.index] * place.weights[i] * offset.by[axis];
   }
   const Eigen::MatrixX3d solved = equations_->solver.solve(right);
-  constexpr double kLeast = 0.02, kFinest = 1.0 / 256, kMostSteps = 32767;  // voxels; of 16 bits
+  constexpr double kLeast = 0.02, kFarthest = 1e9, kFinest = 1.0 / 256;  // voxels
+  constexpr double kMostSteps = 32767;
   std::vector<glm::dvec3> offsets;
   double most = 0;
   for (std::uint32_t n = 0; n < cage_.nodes(); ++n) {
@@ -270,6 +271,7 @@ RawMorph NodeSolver::morph(const std::vector<Offset>& of_samples) const {
     offsets.push_back(by);
     for (int axis = 0; axis < 3; ++axis) most = std::max(most, std::abs(by[axis]));
   }
+  if (most > kFarthest) return {};
   out.step = static_cast<float>(std::max(most / kMostSteps, kFinest));
   for (const glm::dvec3& by : offsets)
     out.offsets.emplace_back(

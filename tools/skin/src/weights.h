@@ -26,7 +26,8 @@ class NodeSolver {
   ~NodeSolver();
   // Of each node the four largest weights, in 255ths. `parts` of the result are joints.
   std::vector<Influences> weights(std::size_t joints, int threads) const;
-  // Where morph targets move nodes; nodes that they move less than 1/50 voxel are left out. of_samples(m):
+  // Where morph targets move nodes; nodes that they move less than 1/50 voxel are left out, and targets
+  // that move any out of all sight. of_samples(m):
   // where target m moves the samples; any thread may call it. `part` of the result is not set.
   std::vector<RawMorph> morphs(std::size_t count,
                                const std::function<std::vector<Offset>(std::size_t)>& of_samples,

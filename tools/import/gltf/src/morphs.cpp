@@ -65,7 +65,6 @@ void GltfSkins::addTargets(int node) {
     if (name.empty())
       name =
           fmt::format("{}.{}", mesh.name.empty() ? fmt::format("mesh {}", index) : oneLine(mesh.name, 80), i);
-    if (!std::isfinite(rest[i])) model_.refuse(place, "rests at a weight that is not finite");
     if (rest[i] != 0) resting += fmt::format("{}'{}' {:g}", resting.empty() ? "" : ", ", name, rest[i]);
     skin_.morphs.push_back({std::move(name), {}, {}});
   }
