@@ -375,6 +375,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "asset_get_socket": (_Handle, c_int32, _p(_Socket)),
     "asset_find_socket": (_Handle, c_char_p, c_int32, _p(c_int32)),
     "asset_get_cage_cells": (_Handle, c_int32, _p(c_uint32), c_uint32, _p(c_uint32)),
+    "asset_get_morphs": (_Handle, c_int32, _p(c_int32), c_uint32, _p(c_uint32)),
     "asset_get_joint": (_Handle, c_int32, _p(_Joint)),
     "asset_find_joint": (_Handle, c_char_p, _p(c_int32)),
     "asset_resident_level": (_Handle, c_int32, c_int32, _p(c_int32)),
@@ -388,6 +389,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "pose_get_nodes": (_Handle, c_int32, _p(c_float), c_uint32, _p(c_uint32)),
     "pose_write_nodes": (_Handle, c_int32, _p(_p(c_float)), _p(c_uint32)),
     "pose_set_joints": (_Handle, _Handle, _p(c_float), c_uint32),
+    "pose_set_morph": (_Handle, _Handle, c_char_p, c_float),
     "pose_set_knots": (_Handle, c_int32, c_void_p, c_uint32),
     "pose_move": (_Handle, c_int32, c_int32, _Floats),
     "pose_set_tangent": (_Handle, c_int32, c_int32, _Floats),
@@ -955,6 +957,14 @@ class Asset(_Object):
               byref(count))
         return cells
 
+    def morphs(self, part: int) -> list[int]:
+        """The morph targets that move the nodes of the part: empty parts, each with the target's name."""
+        count = c_uint32()
+        _call("asset_get_morphs", self._handle, part, None, 0, byref(count))
+        parts = (c_int32 * count.value)()
+        _call("asset_get_morphs", self._handle, part, parts, count.value, byref(count))
+        return list(parts)
+
     def find_joint(self, name: str) -> int:
         """The first joint of that name. Error: there is none; the text lists the names."""
         joint = c_int32()
@@ -1095,6 +1105,11 @@ class Pose(_Object):
         array = _array(matrices, (None, 4, 4), "matrices")
         columns = np.ascontiguousarray(array.transpose(0, 2, 1))
         self._change("set_joints", _of(asset, Asset), _floats(columns), len(columns))
+
+    def set_morph(self, asset: Asset, name: str, weight: float) -> None:
+        """Sets the weight of the morph targets of that name: 0 at rest, 1: as in the file; it may be
+        anything. Clips add to it; it is the x of the translation of their parts. Error: there is none."""
+        self._change("set_morph", _of(asset, Asset), _of(name, str), weight)
 
     def move(self, part: int, knot: int, offset: npt.ArrayLike) -> None:
         """Moves a knot, in heights of the part; automatic tangents follow."""

@@ -132,6 +132,20 @@ Result<void> Pose::setJoints(const Asset& asset, std::span<const glm::mat4> matr
   return {};
 }
 
+Result<void> Pose::setMorph(const Asset& asset, std::string_view name, float weight) {
+  if (!fits(asset)) return Error{ErrorCode::kMisuse, "the pose is of another asset"};
+  if (!std::isfinite(weight)) return Error{ErrorCode::kMisuse, "the weight of a morph target is not finite"};
+  bool found = false;
+  for (const Part& part : asset.pack().parts()) {
+    for (const Morph& morph : part.cages.empty() ? std::span<const Morph>() : part.cages[0].morphs) {
+      if (asset.pack().parts()[morph.part].name != name) continue;
+      motion(static_cast<int>(morph.part))->translation.x = weight;
+      found = true;
+    }
+  }
+  return found ? Result<void>() : Error{ErrorCode::kMisuse, "there is no morph target of that name"};
+}
+
 void Pose::reset() {
   if (parts_ == 0) return;
   // memmove is slower for some hundred bytes, in thousands of poses a frame. The last step overlaps the one

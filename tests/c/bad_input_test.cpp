@@ -58,6 +58,7 @@ const Call kAssetCalls[] = {
     {"clip", [](const Handles& h) { return kelp_asset_get_clip(h.asset, 0, out<kelp_clip>()); }},
     {"cage_cells",
      [](const Handles& h) { return kelp_asset_get_cage_cells(h.asset, 0, nullptr, 0, &count); }},
+    {"morphs", [](const Handles& h) { return kelp_asset_get_morphs(h.asset, 0, nullptr, 0, &count); }},
     {"find_clip", [](const Handles& h) { return kelp_asset_find_clip(h.asset, "sway", &number); }},
     {"find_part", [](const Handles& h) { return kelp_asset_find_part(h.asset, "stem", &number); }},
     {"wave", [](const Handles& h) { return kelp_asset_get_wave(h.asset, 0, 0, out<kelp_wave>()); }},

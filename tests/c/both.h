@@ -28,7 +28,8 @@
 namespace kelp::test {
 
 // The path of a small pack: "distance" has a sheared and a swept part, a clip with a wave and tracks,
-// sockets, joints and distances; "solid" has no distances; "fog" has fog; "cage" has cages.
+// sockets, joints and distances; "solid" has no distances; "fog" has fog; "cage" has cages, "morphs" morph
+// targets.
 inline std::string packFile(const std::string& name) {
   static const Scratch scratch;
   static std::map<std::string, std::string> paths;  // each is made once
@@ -37,6 +38,7 @@ inline std::string packFile(const std::string& name) {
     RawPack pack = name == "distance" ? makeTinyDistancePack()
                    : name == "fog"    ? makeTinyFogPack()
                    : name == "cage"   ? makeTinyCagePack()
+                   : name == "morphs" ? makeTinyMorphPack()
                                       : makeTinyPack();
     if (name == "distance") pack.joints = makeTinyJointPack().joints;
     path = scratch.write(name + ".kelp", std::span<const std::byte>(writeToMemory(pack))).string();

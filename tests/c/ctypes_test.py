@@ -189,6 +189,26 @@ class Poses(Column):
                              (caught.exception.code, caught.exception.offset, caught.exception.unit))
             pose.close()
 
+    def test_morphs(self):
+        golden = os.path.join(os.path.dirname(__file__), "../formats/golden/morphs.kelp")
+        with kelp.Asset(golden) as asset:
+            pose, comb = kelp.Pose(asset), asset.find_part("comb")
+            self.assertEqual([3, 4], asset.morphs(comb))
+            self.assertEqual([], asset.morphs(0))
+            rest = pose.nodes(comb)
+            pose.set_morph(asset, "frown", 0.5)
+            frowning, motion = pose.nodes(comb), pose.motion(4)
+            self.assertGreater(abs(frowning - rest).max(), 1)
+            self.assertEqual(0.5, motion["translation"][0])
+            pose.reset()
+            pose.set_motion(4, motion)
+            self.near(pose.nodes(comb), frowning, 0)
+            for name, weight in (("grin", 1), ("frown", math.nan)):
+                with self.assertRaises(kelp.Error) as caught:
+                    pose.set_morph(asset, name, weight)
+                self.assertEqual(kelp.Result.MISUSE, caught.exception.code)
+            pose.close()
+
     def test_nodes(self):
         self.assertEqual((0, 3), self.pose.nodes(0).shape)
         self.assertEqual((0, 8), self.asset.cage_cells(0).shape)

@@ -131,6 +131,31 @@ TEST(CPose, JointsAreSet) {
   EXPECT_EQ(1u, lastError().offset);
 }
 
+TEST(CPose, MorphsAreSet) {
+  const BothAssets assets(packFile("morphs"));
+  BothPoses poses(assets);
+  std::uint32_t count = 0;
+  std::int32_t morphs[3] = {-1, -1, -1};
+  ASSERT_KELP(kelp_asset_get_morphs(assets.c, 2, morphs, 1, &count));
+  EXPECT_EQ(count, 2u);
+  EXPECT_EQ(morphs[1], -1);
+  ASSERT_KELP(kelp_asset_get_morphs(assets.c, 2, morphs, 3, &count));
+  EXPECT_TRUE(morphs[0] == 3 && morphs[1] == 4 && morphs[2] == -1);
+  ASSERT_KELP(kelp_asset_get_morphs(assets.c, 0, nullptr, 0, &count));
+  EXPECT_EQ(count, 0u);
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_asset_get_morphs(assets.c, 2, nullptr, 1, &count));
+  EXPECT_KELP(KELP_ERROR_MISUSE, kelp_asset_get_morphs(assets.c, 5, morphs, 3, &count));
+  ASSERT_KELP(kelp_pose_set_morph(poses.c, assets.c, "smile", 0.75f));
+  poses.cpp.setMorph(*assets.cpp, "smile", 0.75f).value();
+  const std::span<const glm::vec3> want = std::as_const(poses.cpp).nodes(2);
+  std::vector<glm::vec3> nodes(want.size());
+  ASSERT_KELP(kelp_pose_get_nodes(poses.c, 2, &nodes[0].x, static_cast<std::uint32_t>(nodes.size()), &count));
+  EXPECT_TRUE(std::equal(want.begin(), want.end(), nodes.begin(), nodes.end()));
+  EXPECT_KELP(KELP_ERROR_MISUSE, kelp_pose_set_morph(poses.c, assets.c, "grin", 1));
+  EXPECT_KELP(KELP_ERROR_NULL, kelp_pose_set_morph(poses.c, assets.c, nullptr, 1));
+  EXPECT_KELP(KELP_ERROR_HANDLE, kelp_pose_set_morph(poses.c, {}, "smile", 1));
+}
+
 TEST(CPose, KnotsAreSetCheckedAndClamped) {
   const BothAssets assets(packFile("distance"));
   BothPoses poses(assets);

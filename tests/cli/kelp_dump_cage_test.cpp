@@ -55,6 +55,19 @@ class KelpDumpCage : public testing::Test {
   test::JsonSchema schema_{std::string(KELP_SOURCE_DIR) + "/tools/kelp-dump/kelp-dump.schema.json"};
 };
 
+TEST_F(KelpDumpCage, TellsOfMorphTargets) {
+  RawPack pack = test::makeTinyMorphPack();
+  const std::string path = write("morphs.kelp", pack);
+  const json info = run({"info", path}, 0);
+  EXPECT_EQ(info["parts"][2]["cage"]["morphs"],
+            json::array({{{"part", 3}, {"nodes", pack.parts[2].morphs[0].nodes.size()}},
+                         {{"part", 4}, {"nodes", pack.parts[2].morphs[1].nodes.size()}}}));
+  run({"verify", path}, 0);
+  pack.parts[2].morphs[1].offsets.back().z += 1;
+  const json difference = run({"diff", path, write("other.kelp", pack)}, 7);
+  EXPECT_EQ(difference["differences"][0]["text"], "cage: morph targets move other nodes, or otherwise");
+}
+
 TEST_F(KelpDumpCage, InfoSaysWhatThereIs) {
   const std::string path = write("sound.kelp", sound());
   const json info = run({"info", path}, 0);
@@ -64,7 +77,7 @@ TEST_F(KelpDumpCage, InfoSaysWhatThereIs) {
   EXPECT_EQ(comb["cage"]["cell"], 4);
   EXPECT_EQ(comb["cage"]["spline"], "sweep");
   ASSERT_EQ(comb["cage"]["cages"].size(), 3u);
-  EXPECT_FALSE(comb["cage"].contains("follows"));
+  EXPECT_FALSE(comb["cage"].contains("follows") || comb["cage"].contains("morphs"));
   EXPECT_EQ(info["parts"][1]["cage"]["follows"], json::array({0}));
   const test::NaiveCage naive({22, 13, 3}, 4, 1, test::isComb);
   const json& second = comb["cage"]["cages"][1];

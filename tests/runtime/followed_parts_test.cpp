@@ -2,6 +2,7 @@
 // Nodes of cages that follow parts, and joints that the host moves.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <optional>
@@ -20,6 +21,7 @@ constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 glm::dmat4 asDouble(const glm::mat4x3& m) { return glm::dmat4(glm::dmat4x3(m)); }
 
 // A body, part 2, whose nodes follow five empty parts around it: 0, 1, 3, 4, 5; and a lantern on part 4.
+// Parts 6 and 7 are morph targets.
 struct Puppet {
   explicit Puppet(int cell, std::vector<Knot> knots_of_4 = straight({0, 1}), Bend bend_of_4 = Bend::kShear)
       : loaded(packOf(cell, std::move(knots_of_4), bend_of_4)), pose(Pose::create(*loaded.asset).value()) {}
@@ -49,6 +51,10 @@ struct Puppet {
     parts[4].knots = std::move(knots_of_4);
     parts[4].bend = bend_of_4;
     test::addInfluences(parts[2], 2, 6, 5);
+    parts.insert(parts.end(), 2, joint);
+    parts[6].name = "smile";
+    parts[7].name = "frown";
+    test::addMorphs(parts[2], {6, 7}, 8);
     pack.parts = std::move(parts);
     pack.sockets = {{"lantern", 4, 0.5f, {0.3f, 0.1f}, {1, 0, 0, 0}}};
     for (const std::uint32_t part : {0u, 1u, 4u, 5u})
@@ -70,6 +76,18 @@ struct Puppet {
       motion.rotation = glm::normalize(glm::quat(1, far * number(), far * number(), far * number()));
       motion.scale = glm::vec3(1) + 0.4f * far * glm::vec3(number(), number(), number());
     }
+    pose.setMorph(asset(), "smile", far * number()).value();
+    pose.motion(7)->translation.x = far * number();
+  }
+
+  glm::dvec3 restOf(const Cage& cage, std::uint32_t node) const {
+    glm::dvec3 rest(cage.rest(node));
+    for (const Morph& morph : cage.morphs)
+      for (const MovedNode& moved : morph.moved)
+        if (moved.node == node)
+          rest += static_cast<double>(pose.motion(static_cast<int>(morph.part))->translation.x) *
+                  glm::dvec3(moved.offset);
+    return rest;
   }
 
   // Object at rest -> object now.
@@ -99,7 +117,7 @@ struct Puppet {
       const PosedCage posed = posedCage(instance(), 2, static_cast<int>(c), CageUse::kTree).value();
       ASSERT_EQ(posed.nodes.size(), influences.size());
       for (std::uint32_t i = 0; i < cage.nodes(); ++i) {
-        const glm::dvec4 rest = to_object * glm::dvec4(cage.rest(i), 1);
+        const glm::dvec4 rest = to_object * glm::dvec4(restOf(cage, i), 1);
         glm::dvec4 truth(0);
         for (int k = 0; k < 4; ++k)
           truth += influences[i].weights[k] / 255.0 * (motionOf(influences[i].parts[k]) * rest);
@@ -300,6 +318,7 @@ TEST(FollowedParts, BendAroundTheirSpline) {
   for (const Bend bend : {Bend::kShear, Bend::kSweep}) {
     Puppet puppet(4, straight({0, 0.5f, 1}), bend);
     puppet.pose.setKnots(4, leaning()).value();
+    puppet.pose.setMorph(puppet.asset(), "smile", 0.25f).value();
     const Part& bent = puppet.asset().pack().parts()[4];
     const glm::mat4 to_part = glm::inverse(glm::mat4(asDouble(bent.to_object)));
     const glm::mat4 to_body = glm::inverse(glm::mat4(asDouble(puppet.body().to_object)));
@@ -322,7 +341,7 @@ TEST(FollowedParts, BendAroundTheirSpline) {
     const std::span<const glm::vec3> nodes = std::as_const(puppet.pose).nodes(2);
     for (std::uint32_t i = 0; i < cage.nodes(); ++i) {
       const Influences& its = cage.influences[i];
-      const glm::vec3 rest = puppet.body().to_object * glm::vec4(cage.rest(i), 1);
+      const glm::vec3 rest = puppet.body().to_object * glm::vec4(glm::vec3(puppet.restOf(cage, i)), 1);
       const glm::vec3 in_part = to_part * glm::vec4(rest, 1);
       glm::dvec3 truth(0);
       for (int k = 0; k < 4; ++k)
@@ -340,10 +359,37 @@ TEST(FollowedParts, BendAroundTheirSpline) {
   }
 }
 
+// Weights of clips and of blended poses add up as any motion does.
+TEST(FollowedParts, MorphTargetsPlay) {
+  RawPack pack = Puppet::packOf(4, straight({0, 1}), Bend::kShear);
+  RawTrack track{6, 0, Target::kPartTranslation, Interpolation::kLinear, {}};
+  track.keys = {{0, glm::vec4(0), {}, {}}, {1, {2, 0, 0, 0}, {}, {}}};
+  pack.clips = {{"talk", 1, {}, {track}}};
+  const Loaded loaded(pack);
+  Pose pose = Pose::create(*loaded.asset).value(), other = Pose::create(*loaded.asset).value();
+  addClip(*loaded.asset, 0, 0.25, 0.5f, pose).value();
+  EXPECT_FLOAT_EQ(pose.motion(6)->translation.x, 0.25f);
+  other.setMorph(*loaded.asset, "smile", 1).value();
+  pose.blend(other, 0.5f).value();
+  EXPECT_FLOAT_EQ(pose.motion(6)->translation.x, 0.625f);
+  const Cage& cage = loaded.asset->pack().parts()[2].cages[0];
+  const Pose still = Pose::create(*loaded.asset).value();
+  for (const MovedNode& moved : cage.morphs[0].moved) {
+    const glm::vec3 by = pose.nodes(2)[moved.node] - still.nodes(2)[moved.node];
+    EXPECT_LT(glm::distance(by, 0.625f * moved.offset), 1e-3f);
+  }
+  EXPECT_FALSE(pose.setMorph(*loaded.asset, "grin", 1));
+  EXPECT_FALSE(pose.setMorph(*loaded.asset, "joint 0", 1));
+  EXPECT_FALSE(pose.setMorph(*loaded.asset, "smile", kNotANumber));
+  EXPECT_FALSE(Pose().setMorph(*loaded.asset, "smile", 1));
+}
+
 TEST(FollowedParts, MotionsThatAreNoNumbersAreRefused) {
-  for (const float bad : {kNotANumber, std::numeric_limits<float>::infinity(), 1e30f}) {
+  for (int i = 0; i < 6; ++i) {
+    const float bad = std::array{kNotANumber, std::numeric_limits<float>::infinity(),
+                                 1e30f}[static_cast<std::size_t>(i % 3)];
     Puppet puppet(4);
-    puppet.pose.motion(1)->translation.x = bad;
+    puppet.pose.motion(i < 3 ? 1 : 7)->translation.x = bad;
     const Result<void> sound = puppet.pose.check();
     ASSERT_FALSE(sound);
     EXPECT_EQ(sound.error().offset, 2u);
@@ -362,6 +408,8 @@ TEST(FollowedParts, MotionsThatAreNoNumbersAreRefused) {
 TEST(FollowedParts, SpringsPushTheNodes) {
   Puppet puppet(4);
   puppet.move(1, 0.3f);
+  puppet.pose.setMorph(puppet.asset(), "smile", 0).value();
+  puppet.pose.setMorph(puppet.asset(), "frown", 0).value();
   const Box box = bounds(puppet.instance());
   const glm::vec3 from(0.5f * (box.min.x + box.max.x), 0.5f * (box.min.y + box.max.y), box.max.z + 1);
   const auto hit = raycast(puppet.instance(), {from, {0, 0, -1}});

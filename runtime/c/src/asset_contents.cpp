@@ -204,6 +204,23 @@ kelp_result kelp_asset_get_cage_cells(kelp_asset asset, int32_t part, uint32_t* 
   return KELP_OK;
 }
 
+kelp_result kelp_asset_get_morphs(kelp_asset asset, int32_t part, int32_t* morphs, uint32_t capacity,
+                                  uint32_t* count) {
+  const Pinned<AssetObject> object(asset.id);
+  if (!object) return object.bad();
+  if (!count || (!morphs && capacity > 0)) return nullPointer();
+  kelp_result result = KELP_OK;
+  const kelp::Part* const of =
+      elementOf(object->asset->pack().parts(), part, result, "there is no such part");
+  if (!of) return result;
+  const std::span<const kelp::Morph> all =
+      of->cages.empty() ? std::span<const kelp::Morph>() : of->cages[0].morphs;
+  *count = static_cast<std::uint32_t>(all.size());
+  for (const kelp::Morph& morph : all.first(std::min<std::size_t>(capacity, all.size())))
+    *morphs++ = static_cast<std::int32_t>(morph.part);
+  return KELP_OK;
+}
+
 kelp_result kelp_asset_get_joint(kelp_asset asset, int32_t joint, kelp_joint* out) {
   return describeElement(asset, out, &Pack::joints, joint, "there is no such joint",
                          [](const Asset&, const kelp::Joint& from, kelp_joint& to) {

@@ -144,6 +144,12 @@ kelp_result kelp_pose_set_joints(kelp_pose pose, kelp_asset asset, const float* 
   });
 }
 
+kelp_result kelp_pose_set_morph(kelp_pose pose, kelp_asset asset, const char* name, float weight) {
+  if (!name) return nullPointer();
+  return withPoseOf(pose, asset,
+                    [=](Pose& of, const Asset& its) { return answer(of.setMorph(its, name, weight)); });
+}
+
 kelp_result kelp_pose_reset(kelp_pose pose) {
   return withPose(pose, [](Pose& of) {
     of.reset();

@@ -55,19 +55,36 @@ class BentMap {
   const ArcChain* arcs_;
 };
 
+glm::vec3 restOf(const PoseCages::Following& cage, std::size_t node) {
+  return static_cast<float>(cage.side) * glm::vec3(latticePoint(cage.places[node]));
+}
+float weightOf(const Pose& pose, const Morph& morph) {
+  return pose.motion(static_cast<int>(morph.part))->translation.x;
+}
+// By how much all morph targets move a node at rest.
+glm::vec3 offsetOf(const Pose& pose, std::span<const Morph> morphs, std::size_t node) {
+  glm::vec3 sum(0);
+  for (const Morph& morph : morphs) {
+    const auto at = std::lower_bound(morph.moved.begin(), morph.moved.end(), node,
+                                     [](const MovedNode& one, std::size_t of) { return one.node < of; });
+    if (at != morph.moved.end() && at->node == node) sum += weightOf(pose, morph) * at->offset;
+  }
+  return sum;
+}
+
 void addBent(const PoseCages& cages, const Pose& pose, int follower, std::size_t part,
-             std::span<const Influences> influences, const std::uint32_t* places, float side,
-             glm::vec3* nodes) {
+             const PoseCages::Following& cage, glm::vec3* nodes) {
   const BentMap bent(posedPart(cages.rest[part], pose, static_cast<int>(part)));
   const glm::mat4 from = affine(cages.rest[static_cast<std::size_t>(follower)].to_object),
                   to_part = glm::affineInverse(affine(cages.rest[part].to_object)) * from,
                   back = glm::affineInverse(from) * cages.motions[part] * affine(cages.rest[part].to_object);
-  for (std::size_t i = 0; i < influences.size(); ++i)
+  for (std::size_t i = 0; i < cage.influences.size(); ++i)
     for (int k = 0; k < 4; ++k) {
-      if (influences[i].weights[k] == 0 || influences[i].parts[k] != part) continue;
-      const glm::vec3 rest = side * glm::vec3(latticePoint(places[i]));
+      const Influences& its = cage.influences[i];
+      if (its.weights[k] == 0 || its.parts[k] != part) continue;
+      const glm::vec3 rest = restOf(cage, i) + offsetOf(pose, cage.morphs, i);
       const glm::vec3 at(back * glm::vec4(bent.place(glm::vec3(to_part * glm::vec4(rest, 1.0f))), 1.0f));
-      nodes[i] += static_cast<float>(influences[i].weights[k]) / 255.0f * at;
+      nodes[i] += static_cast<float>(its.weights[k]) / 255.0f * at;
     }
 }
 
@@ -147,19 +164,25 @@ std::span<const glm::mat4> PoseCages::motionsOf(const Pose& pose) {
   return all.motions;
 }
 
-bool PoseCages::follow(const Pose& pose, int part, std::span<const Influences> influences,
-                       const std::uint32_t* places, int side, glm::vec3* nodes) {
+bool PoseCages::follow(const Pose& pose, int part, const Following& cage, glm::vec3* nodes) {
   motionsOf(pose);
   const PoseCages& all = *pose.cages();
   const NodesInPose& in = *of(pose, part);
-  const auto scale = static_cast<float>(side);
   const glm::mat4* const maps = in.maps.data();
   const std::uint16_t* const slots = in.slots.data();
-  // Each node is written with one float more, which the next one overwrites.
-  for (std::size_t i = 0; i < influences.size(); ++i) {
-    const Influences& its = influences[i];
-    const glm::vec3 rest = scale * glm::vec3(latticePoint(places[i]));
-    const Lanes x = rest.x, y = rest.y, z = rest.z;
+  const std::size_t count = cage.influences.size();
+  for (std::size_t i = 0; i < count; ++i) nodes[i] = restOf(cage, i);
+  for (const Morph& morph : cage.morphs) {
+    const float weight = weightOf(pose, morph);
+    for (std::size_t i = 0; weight != 0 && i < morph.moved.size(); ++i)
+      nodes[morph.moved[i].node] += weight * morph.moved[i].offset;
+  }
+  // Each node is written with one float more, the next one's.
+  glm::vec3 next = nodes[0];
+  for (std::size_t i = 0; i < count; ++i) {
+    const Influences& its = cage.influences[i];
+    const Lanes x = next.x, y = next.y, z = next.z;
+    if (i + 1 < count) next = nodes[i + 1];
     Lanes at = 0.0f;
     for (int k = 0; k < 4 && its.weights[k] > 0; ++k) {
       const float* const map = &maps[slots[its.parts[k]]][0].x;
@@ -170,11 +193,10 @@ bool PoseCages::follow(const Pose& pose, int part, std::span<const Influences> i
   }
   for (std::size_t i = 0; i < in.followed.size() && in.bent; ++i) {
     const std::uint16_t of = in.followed[i];
-    if (bends(posedPart(all.rest[of], pose, of)))
-      addBent(all, pose, part, of, influences, places, scale, nodes);
+    if (bends(posedPart(all.rest[of], pose, of))) addBent(all, pose, part, of, cage, nodes);
   }
-  if (!badNode(pose, part, nodes, influences.size())) return true;
-  for (std::size_t i = 0; i < influences.size(); ++i) nodes[i] = scale * glm::vec3(latticePoint(places[i]));
+  if (!badNode(pose, part, nodes, count)) return true;
+  for (std::size_t i = 0; i < count; ++i) nodes[i] = restOf(cage, i);
   return false;
 }
 
@@ -191,9 +213,17 @@ Box PoseCages::followedBounds(const Pose& pose, int part) {
 // Each node lies between the places to which its parts take it.
 Box PoseCages::boundsOfMaps(const Pose& pose, int part) {
   const NodesInPose& in = *of(pose, part);
+  glm::vec3 morphed(0);
+  for (const Morph& morph : in.morphs) {
+    const float weight = std::abs(weightOf(pose, morph));
+    glm::vec3 farthest(0);
+    for (std::size_t i = 0; weight != 0 && i < morph.moved.size(); ++i)
+      farthest = glm::max(farthest, glm::abs(morph.moved[i].offset));
+    morphed += weight * farthest;
+  }
   Box all;
   for (std::size_t i = 0; i < in.followed.size(); ++i) {
-    const Box box = transformed(in.maps[i], in.boxes[i]);
+    const Box box = transformed(in.maps[i], {in.boxes[i].min - morphed, in.boxes[i].max + morphed});
     if (badNode(pose, part, &box.min, 1) || badNode(pose, part, &box.max, 1)) return {};
     all.add(box.min);
     all.add(box.max);

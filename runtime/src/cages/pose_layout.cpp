@@ -73,6 +73,17 @@ void layInfluences(const Cage& finest, std::size_t parts, Carver& carver, NodesI
   nodes->maps = maps;
 }
 
+void layMorphs(std::span<const Morph> from, Carver& carver, NodesInPose* nodes) {
+  const std::span<Morph> morphs = takeNew<Morph>(carver, from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const std::span<MovedNode> moved = takeNew<MovedNode>(carver, from[i].moved.size());
+    if (!nodes) continue;
+    std::copy(from[i].moved.begin(), from[i].moved.end(), moved.begin());
+    morphs[i] = {from[i].part, moved};
+  }
+  if (nodes) nodes->morphs = morphs;
+}
+
 // For the motions of parts.
 void layMotions(std::span<const Part> parts, Carver& carver, PoseCages* all) {
   const std::span<Part> rest = takeNew<Part>(carver, parts.size());
@@ -110,6 +121,7 @@ std::uint64_t layAll(std::span<const Part> parts, bool motions, std::byte* block
     auto* const places = carver.take<std::uint32_t>(from[0].nodes());
     for (std::size_t c = 0; c < from.size(); ++c) layCage(from[c], carver, block ? &cages[c] : nullptr);
     if (followsParts(parts[i])) layInfluences(from[0], parts.size(), carver, block ? &each[i] : nullptr);
+    layMorphs(from[0].morphs, carver, block ? &each[i] : nullptr);
     if (!block) continue;
     each[i].cages = cages;
     each[i].places = places;

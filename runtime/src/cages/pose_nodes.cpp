@@ -15,7 +15,7 @@ namespace {
 
 constexpr Error kFollowsNowhere{
     ErrorCode::kMisuse,
-    "a part that the nodes of a cage follow has a motion of no finite numbers, or "
+    "a part that the nodes of a cage follow, or a morph target, has a motion of no finite numbers, or "
     "takes them farther away than 2^20 times the part's longest side"};
 constexpr Error kBadNode{ErrorCode::kMisuse,
                          "a node that was written is no finite number, or farther away than 2^20 times the "
@@ -113,7 +113,8 @@ bool PoseCages::place(const Pose& pose, int part) {
   if (nodes.followsParts())
     return nodes.cages[0].placed.make(placedFor(pose, part), [&] {
       nodes.failure = kFollowsNowhere;
-      return follow(pose, part, nodes.influences, nodes.places, nodes.side, nodes.cages[0].nodes);
+      return follow(pose, part, {nodes.influences, nodes.morphs, nodes.places, nodes.side},
+                    nodes.cages[0].nodes);
     });
   return nodes.cages[0].placed.make(placedFor(pose, part), [&] {
     ++nodes.placements;
@@ -165,7 +166,8 @@ bool PoseCages::alike(const Pose& a, const Pose& b) {
     if (!one || !other) {
       if (one != other) return false;
     } else if (one->cages[0].node_count != other->cages[0].node_count ||
-               one->influences.size() != other->influences.size()) {
+               one->influences.size() != other->influences.size() ||
+               one->morphs.size() != other->morphs.size()) {
       return false;
     }
   }

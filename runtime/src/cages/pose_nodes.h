@@ -82,7 +82,8 @@ struct NodesInPose {
   std::span<const std::uint16_t> followed, slots;
   std::span<const Box> boxes;
   std::span<glm::mat4> maps;
-  bool bent;   // one of these parts bends
+  std::span<const Morph> morphs;  // of the finest cage: a copy
+  bool bent;                      // one of these parts bends
   Box around;  // all nodes of the finest cage, unless one bends; empty if that is not finite
 
   bool followsParts() const { return !influences.empty() && !written; }
@@ -125,9 +126,14 @@ struct PoseCages {
   // Of all parts.
   static std::span<const glm::mat4> motionsOf(const Pose& pose);
   // Puts the nodes of a cage where the parts that they follow take them. False: no finite place, or one that
-  // is too far away, and they are at rest. places: as Cage::places.
-  static bool follow(const Pose& pose, int part, std::span<const Influences> influences,
-                     const std::uint32_t* places, int side, glm::vec3* nodes);
+  // is too far away, and they are at rest.
+  struct Following {  // as in Cage
+    std::span<const Influences> influences;
+    std::span<const Morph> morphs;
+    const std::uint32_t* places;
+    int side;
+  };
+  static bool follow(const Pose& pose, int part, const Following& cage, glm::vec3* nodes);
   // A box around all nodes of the finest cage. Empty if it is not finite.
   static Box followedBounds(const Pose& pose, int part);
   static Box boundsOfMaps(const Pose& pose, int part);

@@ -198,7 +198,7 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage, CageUs
     if (nodes->cages[i].node_count != cages[i].nodes() || nodes->cages[i].cell_count != cages[i].cells())
       return kOtherPose;
   }
-  if (nodes->influences.empty() != of.influences.empty() ||
+  if (nodes->influences.empty() != of.influences.empty() || nodes->morphs.size() != of.morphs.size() ||
       static_cast<std::size_t>(pose.parts()) != instance.asset->pack().parts().size())
     return kOtherPose;
   CageInPose& in = nodes->cages[static_cast<std::size_t>(cage)];
@@ -220,7 +220,7 @@ Result<PosedCage> posedCage(const Instance& instance, int part, int cage, CageUs
     if (!PoseCages::check(pose, part)) return false;
     if (nodes->followsParts()) {
       in.placed.make(now, [&] {
-        return PoseCages::follow(pose, part, of.influences, of.places.data(), of.side, in.nodes);
+        return PoseCages::follow(pose, part, {of.influences, of.morphs, of.places.data(), of.side}, in.nodes);
       });
     } else {
       placeCoarser(pose, part, cages, cage);

@@ -77,6 +77,12 @@ class Pose {
   // joints, or one is not affine, or has a number that is not finite; `offset` is the index of the joint.
   Result<void> setJoints(const Asset& asset, std::span<const glm::mat4> matrices);
 
+  // Sets the weight of the morph targets of that name: 0 at rest, 1: as in the file; it may be anything. A
+  // clip adds to it. Each is an empty part of that name (Cage::morphs names it), and the weight the x of its
+  // motion's translation, so motion() reads and writes it, too. kMisuse, with nothing changed: there is none,
+  // the pose does not fit the asset, or the weight is not finite.
+  Result<void> setMorph(const Asset& asset, std::string_view name, float weight);
+
   void reset();  // back to rest; no node and no joint is the host's any more
   // Copies `other`. kMisuse, with nothing changed, if its parts, knots or nodes differ in number.
   Result<void> assign(const Pose& other);

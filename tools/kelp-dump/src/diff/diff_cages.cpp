@@ -14,6 +14,15 @@ std::string cageText(const Part& part) {
   return part.cages.empty() ? "no cage" : fmt::format("cells of {}", part.cages[0].side);
 }
 
+bool sameMorphs(std::span<const Morph> a, std::span<const Morph> b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Morph& x, const Morph& y) {
+    return x.part == y.part && std::equal(x.moved.begin(), x.moved.end(), y.moved.begin(), y.moved.end(),
+                                          [](const MovedNode& u, const MovedNode& v) {
+                                            return u.node == v.node && u.offset == v.offset;
+                                          });
+  });
+}
+
 }  // namespace
 
 void diffCages(const Part& a, const Part& b, std::vector<Difference>& out) {
@@ -37,6 +46,8 @@ void diffCages(const Part& a, const Part& b, std::vector<Difference>& out) {
       else if (i == 0 && !std::equal(u.influences.begin(), u.influences.end(), v.influences.begin(),
                                      v.influences.end()))
         say("nodes follow other parts, or by other weights");
+      else if (i == 0 && !sameMorphs(u.morphs, v.morphs))
+        say("morph targets move other nodes, or otherwise");
     }
   }
 }

@@ -127,6 +127,8 @@ std::string cagesText(const Part& part) {
                     cage.side, countText(cage.cells()), countText(its.pieces), countText(cage.nodes()),
                     countText(cage.faces()), bytesText(its.memory));
   }
+  if (!part.cages[0].morphs.empty())
+    text += fmt::format("    morph targets move its nodes: {}\n", part.cages[0].morphs.size());
   return text;
 }
 

@@ -143,6 +143,11 @@ KELP_API kelp_result kelp_asset_find_part(kelp_asset asset, const char* name, in
 // such part.
 KELP_API kelp_result kelp_asset_get_cage_cells(kelp_asset asset, int32_t part, uint32_t* nodes,
                                                uint32_t capacity, uint32_t* count);
+// The morph targets that move the nodes of a part (kelp_pose_set_morph): each an empty part with its name. At
+// most `capacity` indices of parts are copied to `morphs` (may be null if that is 0). *count: how many there
+// are. KELP_ERROR_MISUSE: no such part.
+KELP_API kelp_result kelp_asset_get_morphs(kelp_asset asset, int32_t part, int32_t* morphs, uint32_t capacity,
+                                           uint32_t* count);
 
 // An animation. kelp_pose_add_clip plays it.
 typedef struct kelp_clip {

@@ -60,6 +60,11 @@ KELP_API kelp_result kelp_pose_write_nodes(kelp_pose pose, int32_t part, float**
 KELP_API kelp_result kelp_pose_set_joints(kelp_pose pose, kelp_asset asset, const float* matrices,
                                           uint32_t count);
 
+// Sets the weight of the morph targets of that name: 0 at rest, 1: as in the file; it may be anything. Clips
+// add to it; it is the x of the translation that kelp_pose_get_motion gives of the target's empty part.
+// KELP_ERROR_MISUSE: there is none, the pose does not fit, or the weight is not finite.
+KELP_API kelp_result kelp_pose_set_morph(kelp_pose pose, kelp_asset asset, const char* name, float weight);
+
 KELP_API kelp_result kelp_pose_reset(kelp_pose pose);  // back to rest
 // Copies another pose. KELP_ERROR_MISUSE: their parts, knots or nodes differ in number.
 KELP_API kelp_result kelp_pose_assign(kelp_pose pose, kelp_pose other);
