@@ -265,7 +265,7 @@ class Tests(Harness, Hands, Faults):
                                                  f"{before[1]} -> {after[1]}")
 
     def all(self):
-        names = ["shows", "equals_render", "bends", "poses", "moves_joints", "keys", "links", "drops",
+        names = ["shows", "equals_render", "bends", "poses", "keys", "moves_joints", "links", "drops",
                  "faults", "claims", "hostile_vox", "loses", "streams", "phone", "paces", "stays_small"]
         for name in os.environ.get("KELP_WEB_TESTS", "").split() or names:
             try:
