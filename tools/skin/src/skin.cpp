@@ -121,6 +121,25 @@ std::vector<SkinNode> nodesOf(const SkinBody& body, const TriedCage& cage) {
   return nodes;
 }
 
+// A clip that leaves everything as it is at rest still is a clip.
+void keepStillClips(SkinCage& cage) {
+  for (std::size_t c = 0; c < cage.fits.size(); ++c) {
+    const auto moves = [&](const RigDescription::Clip& clip) {
+      return clip.name == cage.fits[c].clip && !clip.tracks.empty();
+    };
+    const auto isMoved = [&](const auto& part) {
+      return std::any_of(part.rig.clips.begin(), part.rig.clips.end(), moves);
+    };
+    if (std::any_of(cage.joints.begin(), cage.joints.end(), isMoved) ||
+        std::any_of(cage.morphs.begin(), cage.morphs.end(), isMoved))
+      continue;
+    RigDescription::Track track;
+    track.target = Target::kPartRotation;
+    track.keys.push_back({0, glm::vec4(0, 0, 0, 1), {}, {}});
+    cage.joints.front().rig.clips[c].tracks.push_back(std::move(track));
+  }
+}
+
 }  // namespace
 
 double skinBytes(double voxels, const SourceSkin& skin) {
@@ -191,6 +210,7 @@ SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fram
   out.joints = jointsOfSkin(skin, nodesOf(body, *cage), kKeys * frame.voxel_size, threads);
   addJointSockets(skin, frame, out.joints, out.notices);
   out.morphs = morphsOfSkin(skin, std::move(cage->morphs), std::move(of_morphs), kKeys, out.notices);
+  keepStillClips(out);
   report(0.9);
   out.influences = std::move(cage->influences);
   out.cages = fields::buildCages(body.solid, levels, side, body.cuts);
