@@ -5,7 +5,10 @@
 #include <set>
 
 #include "import_scratch.h"
+#include "kelp/runtime/asset.h"
+#include "kelp/runtime/pose.h"
 #include "morphed_pack.h"
+#include "support/test_pack.h"
 
 namespace kelp::bake::test {
 namespace {
@@ -69,6 +72,29 @@ void expectClips(const MorphedPack& baked, const std::vector<int>& nodes) {
   }
 }
 
+// The runtime puts nodes where the pack's numbers say.
+void expectPoses(const MorphedPack& baked) {
+  const std::vector<std::byte> bytes = kelp::test::bytesOf(baked.pack);
+  const MemorySource source(bytes);
+  const auto asset = runtime::Asset::open(source.source());
+  ASSERT_TRUE(asset) << asset.error().detail;
+  const glm::dmat4 to_object(glm::dmat4x3(baked.body().to_object));
+  const double voxel = glm::length(to_object[0]);
+  for (int clip = 0; clip < static_cast<int>(baked.pack.clips.size()); ++clip)
+    for (const double share : {0.2, 0.55, 0.9}) {
+      const double time =
+          share * static_cast<double>(baked.pack.clips[static_cast<std::size_t>(clip)].duration);
+      runtime::Pose pose = *runtime::Pose::create(**asset);
+      ASSERT_TRUE(runtime::addClip(**asset, clip, time, 1, pose));
+      const std::vector<glm::dvec3> wanted = baked.nodesAt(clip, time);
+      const std::span<const glm::vec3> nodes = std::as_const(pose).nodes(0);
+      ASSERT_EQ(nodes.size(), wanted.size());
+      for (std::size_t n = 0; n < wanted.size(); ++n)
+        ASSERT_LT(glm::distance(glm::dvec3(to_object * glm::dvec4(nodes[n], 1)), wanted[n]), 0.01 * voxel)
+            << clip << " at " << time;
+    }
+}
+
 TEST(MorphFiles, Stress) {
   const MorphedPack baked(fileNamed("stress"));
   expectSound(baked);
@@ -81,6 +107,7 @@ TEST(MorphFiles, Stress) {
   for (std::size_t k = 0; k < 8; ++k)
     EXPECT_LE(baked.farAlone({0}, baked.named("Key " + std::to_string(k + 1)), k, 8), 0.3) << k;
   EXPECT_TRUE(baked.report.notices.empty());
+  expectPoses(baked);
 }
 
 TEST(MorphFiles, Skinned) {
@@ -89,6 +116,7 @@ TEST(MorphFiles, Skinned) {
   EXPECT_EQ(morphsOf(baked), (std::vector<std::string>{"bulge", "lean"}));
   EXPECT_EQ(baked.pack.joints.size(), 4u);
   expectClips(baked, {0});
+  expectPoses(baked);
 }
 
 TEST(MorphFiles, SparseOnesWithoutNamesOrClips) {

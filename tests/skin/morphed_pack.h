@@ -43,19 +43,25 @@ class MorphedPack {
     return 0;
   }
 
-  // The mean distance, in voxels, from where the file has the nodes' meshes at a time of its animation, of
-  // the points that either moves.
-  double farAt(const std::vector<int>& nodes, int animation, double time) const {
+  // Where the nodes are at a time of a clip, in the object.
+  std::vector<glm::dvec3> nodesAt(int clip, double time) const {
     std::vector<glm::dmat4> motions;
     std::vector<double> weights;
     for (std::uint32_t part = 0; part < pack.parts.size(); ++part) {
-      const glm::dmat4 local = motionOf(pack.clips.at(static_cast<std::size_t>(animation)), part, time);
+      const glm::dmat4 local = motionOf(pack.clips.at(static_cast<std::size_t>(clip)), part, time);
       const glm::dmat4 pivot(glm::dmat4x3(pack.parts[part].pivot)), its = pivot * local * glm::inverse(pivot);
       const int parent = pack.parts[part].parent;
       motions.push_back(parent < 0 ? its : motions[static_cast<std::size_t>(parent)] * its);
       weights.push_back(local[3].x);
     }
-    return far(nodes, motions, weights, [&](int node) { return truth.worldCorners(node, animation, time); });
+    return posed(motions, weights);
+  }
+
+  // The mean distance, in voxels, from where the file has the nodes' meshes at a time of its animation, of
+  // the points that either moves.
+  double farAt(const std::vector<int>& nodes, int animation, double time) const {
+    return far(nodes, nodesAt(animation, time),
+               [&](int node) { return truth.worldCorners(node, animation, time); });
   }
   // The same of a part's morph target at weight 1, which is target `target` of each of the nodes' meshes.
   double farAlone(const std::vector<int>& nodes, std::size_t part, std::size_t target, std::size_t targets,
@@ -64,7 +70,7 @@ class MorphedPack {
     if (!rest.empty()) of_mesh = rest;
     weights[part] = 1;
     of_mesh[target] += 1;
-    return far(nodes, std::vector<glm::dmat4>(pack.parts.size(), glm::dmat4(1)), weights,
+    return far(nodes, posed(std::vector<glm::dmat4>(pack.parts.size(), glm::dmat4(1)), weights),
                [&](int node) { return truth.worldCornersAt(node, -1, 0, of_mesh); });
   }
 
@@ -97,25 +103,28 @@ class MorphedPack {
     return translated * turned * scaled;
   }
 
-  template <class Corners>
-  double far(const std::vector<int>& nodes, const std::vector<glm::dmat4>& motions,
-             const std::vector<double>& weights, const Corners& corners) const {
-    std::vector<glm::dvec3> rest, posed;
-    for (std::uint32_t n = 0; n < cage_.nodes(); ++n) rest.emplace_back(cage_.rest(n));
-    posed = rest;
+  std::vector<glm::dvec3> posed(const std::vector<glm::dmat4>& motions,
+                                const std::vector<double>& weights) const {
+    std::vector<glm::dvec3> nodes;
+    for (std::uint32_t n = 0; n < cage_.nodes(); ++n) nodes.emplace_back(cage_.rest(n));
     for (const RawMorph& morph : body().morphs)
       for (std::size_t i = 0; i < morph.nodes.size(); ++i)
-        posed[morph.nodes[i]] +=
+        nodes[morph.nodes[i]] +=
             weights[morph.part] * static_cast<double>(morph.step) * glm::dvec3(morph.offsets[i]);
     const glm::dmat4 to_object(glm::dmat4x3(body().to_object));
     for (std::uint32_t n = 0; n < cage_.nodes(); ++n) {
       glm::dvec4 at(0);
       for (int i = 0; i < 4; ++i)
         at += body().influences[n].weights[i] / 255.0 *
-              (motions[body().influences[n].parts[i]] * (to_object * glm::dvec4(posed[n], 1)));
-      posed[n] = glm::dvec3(at);
-      rest[n] = glm::dvec3(to_object * glm::dvec4(rest[n], 1));
+              (motions[body().influences[n].parts[i]] * (to_object * glm::dvec4(nodes[n], 1)));
+      nodes[n] = glm::dvec3(at);
     }
+    return nodes;
+  }
+
+  template <class Corners>
+  double far(const std::vector<int>& nodes, const std::vector<glm::dvec3>& caged_nodes,
+             const Corners& corners) const {
     double sum = 0, area = 0;
     for (const int node : nodes) {
       const std::vector<glm::dvec3> before = truth.worldCorners(node, -1, 0), after = corners(node);
@@ -127,7 +136,7 @@ class MorphedPack {
             return shares.x * of[t] + shares.y * of[t + 1] + shares.z * of[t + 2];
           };
           const glm::dvec3 from = mix(before), wanted = mix(after),
-                           caged = place(from, from - 0.6 * voxel_ * glm::normalize(across), posed);
+                           caged = place(from, from - 0.6 * voxel_ * glm::normalize(across), caged_nodes);
           if (glm::distance(caged, from) < 1e-4 * voxel_ && glm::distance(wanted, from) < 1e-4 * voxel_)
             continue;
           sum += glm::length(across) * glm::distance(caged, wanted);
@@ -140,7 +149,7 @@ class MorphedPack {
 
   // `within`: just below the surface, in the voxel that goes with the point.
   glm::dvec3 place(const glm::dvec3& point, const glm::dvec3& within,
-                   const std::vector<glm::dvec3>& posed) const {
+                   const std::vector<glm::dvec3>& nodes) const {
     const glm::dvec3 at(to_voxels_ * glm::dvec4(point, 1)), inner(to_voxels_ * glm::dvec4(within, 1));
     const std::uint32_t cell = cellAt(inner);
     const glm::dvec3 f = at / static_cast<double>(cage_.side) - glm::dvec3(cage_.place(cell));
@@ -150,7 +159,7 @@ class MorphedPack {
     double before = 1;
     for (int k = 0, corner = 0; k <= 3; ++k) {
       const double after = k < 3 ? f[order[static_cast<std::size_t>(k)]] : 0;
-      out += (before - after) * posed[cage_.node(cell, corner)];
+      out += (before - after) * nodes[cage_.node(cell, corner)];
       before = after;
       if (k < 3) corner |= 1 << order[static_cast<std::size_t>(k)];
     }
