@@ -122,6 +122,7 @@ inline constexpr std::size_t kJntsHeader = 12, kJntsRecord = 60;
 inline constexpr std::size_t kCageTable = 4, kCageRecord = 20, kCageCounts = 5;
 inline constexpr std::uint8_t kInfluenced = 16;  // the nodes of a part's cages follow parts
 inline constexpr std::uint8_t kMorphed = 32;     // and morph targets move them
+inline constexpr std::uint8_t kSectioned = 64;   // its sections have widths and twists
 inline constexpr std::size_t kMorphCounts = 2;
 
 // Distances: the header of DGRD; a brick in a page of DIST: its bits, then its corrections.

@@ -56,6 +56,7 @@ struct CageTable {
   Result<void> readMorphs();
   Result<void> fillMorph(const CagePlan& plan, std::span<const std::uint32_t> nodes, float step,
                          std::span<MovedNode> moved) const;
+  Result<void> readSections();
   Result<void> make();
 };
 
@@ -68,12 +69,12 @@ Result<void> CageTable::countCages() {
     const std::size_t at = layout::kCageTable + i;
     const unsigned kind = kindOf(i), log = kind & 15u;
     if (kind == 0) continue;
-    if (log < 1 || log > 4 || kind > (layout::kMorphed | layout::kInfluenced | log) ||
-        (kind & (layout::kMorphed | layout::kInfluenced)) == layout::kMorphed)
-      return corrupt(
-          "the cells of a part's cage do not have a side of 2, 4, 8 or 16, or morph targets move "
-          "nodes that follow no parts",
-          at);
+    if (log < 1 || log > 4)
+      return corrupt("the cells of a part's cage do not have a side of 2, 4, 8 or 16", at);
+    const unsigned flags = kind - log;
+    if (flags != 0 && flags != layout::kInfluenced && flags != layout::kSectioned &&
+        flags != (layout::kInfluenced | layout::kMorphed))
+      return corrupt("a cage is moved in a way that there is not", at);
     if (out.parts[i].kind != PartKind::kSolid) return corrupt("a part that is not solid has a cage", at);
     count += static_cast<std::uint64_t>(out.parts[i].levels);
   }
@@ -285,6 +286,22 @@ Result<void> CageTable::fillMorph(const CagePlan& plan, std::span<const std::uin
   return {};
 }
 
+Result<void> CageTable::readSections() {
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < out.parts.size(); ++i) count += kindOf(i) & layout::kSectioned ? 1 : 0;
+  Buffer<std::uint32_t> parts(out.allocator);
+  if (const Result<void> r = readNumbers(count, parts); !r) return r;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < out.parts.size(); ++i) {
+    if (!(kindOf(i) & layout::kSectioned)) continue;
+    const std::uint32_t of = parts[next++];
+    if (of >= out.parts.size() || out.parts[of].kind != PartKind::kEmpty)
+      return corrupt("the part of a part's sections is not an empty one", layout::kCageTable + i);
+    out.parts[i].sections = static_cast<int>(of);
+  }
+  return {};
+}
+
 Result<void> CageTable::make() {
   std::span<std::uint32_t> memory = out.cage_words.span();
   for (std::size_t i = 0; i < plans.size(); ++i) {
@@ -321,6 +338,7 @@ Result<void> parseCages(std::span<const std::byte> chunk, Metadata& out) {
   if (const Result<void> r = table.measure(); !r) return r;
   if (const Result<void> r = table.readInfluences(); !r) return r;
   if (const Result<void> r = table.readMorphs(); !r) return r;
+  if (const Result<void> r = table.readSections(); !r) return r;
   if (!table.arrays.done()) return kTooShort;
   return table.make();
 }

@@ -147,8 +147,10 @@ void putAscending(std::span<const std::uint32_t> numbers, const Put& put) {
   }
 }
 
-std::uint64_t morphBytes(const RawPack& pack, const CageNumbers& numbers) {
+// Of morph targets and sections.
+std::uint64_t moverBytes(const RawPack& pack, const CageNumbers& numbers) {
   std::uint64_t count = numbers.moved.size();
+  for (const RawPart& part : pack.parts) count += part.sections >= 0 ? 1 : 0;
   for (const RawPart& part : pack.parts)
     count += (part.morphs.empty() ? 0 : 1) + layout::kMorphCounts * part.morphs.size();
   for (const MovedNodes& moved : numbers.moved) count += 4 * moved.nodes.size();
@@ -197,6 +199,8 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
   for (const RawPart& part : pack.parts) {
     if (part.cages.empty() && !part.influences.empty()) return misuse("a part without a cage has influences");
     if (part.cages.empty() && !part.morphs.empty()) return misuse("a part without a cage has morph targets");
+    if (part.sections >= 0 && (part.cages.empty() || !part.influences.empty()))
+      return misuse("a part has sections, but no cage that its own spline moves");
     if (part.cages.empty()) continue;
     if (const Result<void> r = countInfluences(part, influences); !r) return r;
     if (part.cell != 2 && part.cell != 4 && part.cell != 8 && part.cell != 16)
@@ -212,7 +216,7 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
     }
   }
   bytes += layout::kCageRecord * cages + 5 * influences + sizeof(std::uint32_t) * (points + follows) +
-           morphBytes(pack, numbers);
+           moverBytes(pack, numbers);
   if (bytes > std::numeric_limits<std::uint32_t>::max()) return misuse("the cages take more than 4 GiB");
   if (!out.reset(bytes)) return kNoMemory;
   RecordWriter to(out);
@@ -222,7 +226,8 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
                                          ? 0
                                          : std::countr_zero(static_cast<unsigned>(part.cell)) |
                                                (part.influences.empty() ? 0 : layout::kInfluenced) |
-                                               (part.morphs.empty() ? 0 : layout::kMorphed)));
+                                               (part.morphs.empty() ? 0 : layout::kMorphed) |
+                                               (part.sections < 0 ? 0 : layout::kSectioned)));
   to.planes(numbers.counts.size(), [&](const auto& put) {
     for (const std::uint32_t count : numbers.counts) put(count);
   });
@@ -247,6 +252,12 @@ Result<void> buildCages(const RawPack& pack, Buffer<std::byte>& out) {
   });
   putInfluences(pack, influences, to);
   putMorphs(pack, numbers, to);
+  const auto sectioned = std::count_if(pack.parts.begin(), pack.parts.end(),
+                                       [](const RawPart& part) { return part.sections >= 0; });
+  to.planes(static_cast<std::size_t>(sectioned), [&](const auto& put) {
+    for (const RawPart& part : pack.parts)
+      if (part.sections >= 0) put(static_cast<std::uint32_t>(part.sections));
+  });
   return {};
 }
 

@@ -148,6 +148,7 @@ class RigWriter {
       part.cages = (*rigs_.cages)[i].cages;
       part.influences = (*rigs_.cages)[i].influences;
       part.morphs = (*rigs_.cages)[i].morphs;
+      part.sections = (*rigs_.cages)[i].sections;
       has_new_cages_ = has_new_cages_ || !part.cages.empty();
     }
     if (!has_new_cages_) return {};

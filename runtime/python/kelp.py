@@ -390,6 +390,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "pose_write_nodes": (_Handle, c_int32, _p(_p(c_float)), _p(c_uint32)),
     "pose_set_joints": (_Handle, _Handle, _p(c_float), c_uint32),
     "pose_set_morph": (_Handle, _Handle, c_char_p, c_float),
+    "pose_set_section": (_Handle, c_int32, c_int32, _Floats, c_float, c_float),
     "pose_set_knots": (_Handle, c_int32, c_void_p, c_uint32),
     "pose_move": (_Handle, c_int32, c_int32, _Floats),
     "pose_set_tangent": (_Handle, c_int32, c_int32, _Floats),
@@ -1105,6 +1106,12 @@ class Pose(_Object):
         array = _array(matrices, (None, 4, 4), "matrices")
         columns = np.ascontiguousarray(array.transpose(0, 2, 1))
         self._change("set_joints", _of(asset, Asset), _floats(columns), len(columns))
+
+    def set_section(self, part: int, knot: int, width: npt.ArrayLike = (1, 1), twist: float = 0,
+                    keep_volume: float = 0) -> None:
+        """Widens and turns the part's sections at a knot of the empty part that says them; linear between
+        knots. width: factors along x and z; twist: radians; keep_volume: 0 to 1."""
+        self._change("set_section", part, knot, _vector(width, "width", 2), twist, keep_volume)
 
     def set_morph(self, asset: Asset, name: str, weight: float) -> None:
         """Sets the weight of the morph targets of that name: 0 at rest, 1: as in the file; it may be

@@ -132,6 +132,26 @@ Result<void> Pose::setJoints(const Asset& asset, std::span<const glm::mat4> matr
   return {};
 }
 
+Result<void> Pose::setSection(int part, int knot, const PartSection& section) {
+  const NodesInPose* const nodes = PoseCages::of(*this, part);
+  if (!nodes || !hasKnot(nodes->sections, knot))
+    return Error{ErrorCode::kMisuse, "the part has no sections, or no such knot of them"};
+  const glm::vec2& width = section.width;
+  if (!allFinite(glm::vec3(width, section.twist)) || !std::isfinite(section.keep_volume))
+    return Error{ErrorCode::kMisuse, "a section has a number that is not finite"};
+  Knot& to = writableKnots(nodes->sections)[static_cast<std::size_t>(knot)];
+  to.position = {width.x - 1, to.position.y, width.y - 1};
+  to.tangent = {section.twist, to.tangent.y, section.keep_volume};
+  moved(nodes->sections);
+  return {};
+}
+
+std::optional<PartSection> Pose::section(int part, int knot) const {
+  const NodesInPose* const nodes = PoseCages::of(*this, part);
+  if (!nodes || !hasKnot(nodes->sections, knot)) return std::nullopt;
+  return sectionOf(knots(nodes->sections)[static_cast<std::size_t>(knot)]);
+}
+
 Result<void> Pose::setMorph(const Asset& asset, std::string_view name, float weight) {
   if (!fits(asset)) return Error{ErrorCode::kMisuse, "the pose is of another asset"};
   if (!std::isfinite(weight)) return Error{ErrorCode::kMisuse, "the weight of a morph target is not finite"};

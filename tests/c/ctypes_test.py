@@ -203,6 +203,12 @@ class Poses(Column):
             pose.reset()
             pose.set_motion(4, motion)
             self.near(pose.nodes(comb), frowning, 0)
+            block = asset.find_part("block")
+            rest = pose.nodes(block)
+            pose.set_section(block, 0, (2, 1))
+            pose.set_section(block, 1, (2, 1))
+            self.near(pose.nodes(block)[:, 0] - 5, 2 * (rest[:, 0] - 5), 1e-4)
+            self.near(pose.nodes(block)[:, 1:], rest[:, 1:], 1e-4)
             for name, weight in (("grin", 1), ("frown", math.nan)):
                 with self.assertRaises(kelp.Error) as caught:
                     pose.set_morph(asset, name, weight)

@@ -151,6 +151,16 @@ TEST(CPose, MorphsAreSet) {
   std::vector<glm::vec3> nodes(want.size());
   ASSERT_KELP(kelp_pose_get_nodes(poses.c, 2, &nodes[0].x, static_cast<std::uint32_t>(nodes.size()), &count));
   EXPECT_TRUE(std::equal(want.begin(), want.end(), nodes.begin(), nodes.end()));
+  const float width[2] = {1.5f, 0.5f};
+  ASSERT_KELP(kelp_pose_set_section(poses.c, 5, 1, width, 0.25f, 1));
+  ASSERT_KELP(kelp_pose_set_section(poses.c, 5, 0, nullptr, -1, 0));
+  poses.cpp.setSection(5, 1, {{1.5f, 0.5f}, 0.25f, 1}).value();
+  poses.cpp.setSection(5, 0, {{1, 1}, -1, 0}).value();
+  const std::span<const glm::vec3> wide = std::as_const(poses.cpp).nodes(5);
+  nodes.resize(wide.size());
+  ASSERT_KELP(kelp_pose_get_nodes(poses.c, 5, &nodes[0].x, static_cast<std::uint32_t>(nodes.size()), &count));
+  EXPECT_TRUE(std::equal(wide.begin(), wide.end(), nodes.begin(), nodes.end()));
+  EXPECT_KELP(KELP_ERROR_MISUSE, kelp_pose_set_section(poses.c, 2, 0, width, 0, 0));
   EXPECT_KELP(KELP_ERROR_MISUSE, kelp_pose_set_morph(poses.c, assets.c, "grin", 1));
   EXPECT_KELP(KELP_ERROR_NULL, kelp_pose_set_morph(poses.c, assets.c, nullptr, 1));
   EXPECT_KELP(KELP_ERROR_HANDLE, kelp_pose_set_morph(poses.c, {}, "smile", 1));

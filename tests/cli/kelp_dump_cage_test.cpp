@@ -62,6 +62,7 @@ TEST_F(KelpDumpCage, TellsOfMorphTargets) {
   EXPECT_EQ(info["parts"][2]["cage"]["morphs"],
             json::array({{{"part", 3}, {"nodes", pack.parts[2].morphs[0].nodes.size()}},
                          {{"part", 4}, {"nodes", pack.parts[2].morphs[1].nodes.size()}}}));
+  EXPECT_EQ(info["parts"][5]["cage"]["sections"], 4);
   run({"verify", path}, 0);
   pack.parts[2].morphs[1].offsets.back().z += 1;
   const json difference = run({"diff", path, write("other.kelp", pack)}, 7);

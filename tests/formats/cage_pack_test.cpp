@@ -39,7 +39,7 @@ RawPack makeRandomCagePack(std::uint32_t seed) {
   for (std::size_t i = 2; i < 4; ++i)
     if (random() % 2 > 0 && !pack.parts[i].influences.empty())
       test::addMorphs(pack.parts[i], {first, first + 1}, random());
-  for (int i = 0; i < 2; ++i) pack.parts.push_back(test::makeTinyMorphPack().parts.back());
+  for (int i = 0; i < 2; ++i) pack.parts.push_back(test::makeTinyMorphPack().parts[4]);
   return pack;
 }
 
@@ -128,6 +128,8 @@ TEST(CagePack, TheWriterRefusesWrongMorphs) {
   EXPECT_TRUE(refuses([](RawPart& part) { part.morphs[0].part = 0; }));
   EXPECT_TRUE(refuses([](RawPart& part) { part.morphs[0].part = 4; }));
   EXPECT_TRUE(refuses([](RawPart& part) { part.morphs[0].part = 5; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.morphs[0].part = 6; }));
+  EXPECT_TRUE(refuses([](RawPart& part) { part.sections = 3; }));
   for (const float step : {0.0f, -1.0f, test::kNan, test::kInfinity, 1e37f})
     EXPECT_TRUE(refuses([step](RawPart& part) { part.morphs[1].step = step; }));
   EXPECT_TRUE(refuses([](RawPart& part) { part.influences.clear(); }));
@@ -199,7 +201,7 @@ TEST(CagePack, OtherCagesReplaceIt) {
       RawRigs rigs{caged.info_json, {}, caged.clips, caged.sockets, std::vector<RawCages>()};
       for (const RawPart& part : caged.parts) {
         rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at, part.bend, part.roll});
-        rigs.cages->push_back(to_caged ? RawCages{part.cell, part.cages, part.influences, part.morphs}
+        rigs.cages->push_back(to_caged ? RawCages{part.cell, part.cages, part.influences, part.morphs, -1}
                                        : RawCages{});
       }
       MemorySource source(from);

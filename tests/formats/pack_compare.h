@@ -122,7 +122,7 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
                      : b.levels.empty() ? PartKind::kEmpty
                                         : PartKind::kSolid) &&
           a.size == b.size && a.automatic_tangents == b.automatic_tangents && a.parent_at == b.parent_at &&
-          a.bend == b.bend && a.roll == b.roll);
+          a.bend == b.bend && a.roll == b.roll && a.sections == b.sections);
     check((a.fog != nullptr) == b.fog.has_value());
     if (a.fog && b.fog) {
       check(a.fog->color == b.fog->color && a.fog->anisotropy == b.fog->anisotropy &&

@@ -350,8 +350,8 @@ class Pack:
     def read_cages(self, table):
         need(table.one("I") == len(self.parts), "cages of another number of parts")
         kinds = table.take("%dB" % len(self.parts))
-        need(any(kinds) and all(k == 0 or k & 15 in (1, 2, 3, 4) and k & ~15 in (0, 16, 48) for k in kinds),
-                "sides of cells")
+        need(any(kinds) and all(k == 0 or k & 15 in (1, 2, 3, 4) for k in kinds), "sides of cells")
+        need(all(k & ~15 in (0, 16, 48, 64) for k in kinds), "movers of nodes")
         cages = []
         for part, log in zip(self.parts, [k & 15 for k in kinds]):
             need(log == 0 or part["kind"] == 0, "a cage of a part that is not solid")
@@ -388,6 +388,10 @@ class Pack:
                 need(own not in its and min(shares) > 0, "a node's own part, or weights")
                 cage.influences.append(list(itertools.chain(*zip(its, shares))) + [0, 0] * (4 - n))
         self.read_morphs(table, [part["cages"] for part, kind in zip(self.parts, kinds) if kind & 32])
+        sectioned = [part for part, kind in zip(self.parts, kinds) if kind & 64]
+        for part, of in zip(sectioned, table.planes(len(sectioned))):
+            need(of < len(self.parts) and self.parts[of]["kind"] == 2, "the part of sections")
+            part["sections"] = of
         table.end()
         for part in self.parts:
             for finer, cage in zip([None] + part["cages"], part["cages"]):
@@ -667,6 +671,7 @@ def dump(pack):
         out.append("automatic %x parent at %s" % (part["automatic"], bits([part["parent_at"]])))
         out.append("bend %d roll %s" % (part["bend"], bits([part["roll"]])))
         out += [dump_cage(cage) for cage in part["cages"]]
+        out += ["sections %d" % part["sections"]] if "sections" in part else []
         if part["kind"] == 1:
             out += ["fog " + bits(part["fog"])] + ["color " + bits(color) for color in part["ramp"]]
             for level, extinction in zip(part["level"], part["extinction"]):

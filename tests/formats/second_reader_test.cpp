@@ -156,6 +156,7 @@ std::string dumpCages(const RawPart& part) {
     out += dump(cages.back());
     for (std::size_t m = 0; m < offsets.size(); ++m) out += dump(part.morphs[m], offsets[m]);
   }
+  if (part.sections >= 0) out += format("sections %d\n", part.sections);
   return out;
 }
 

@@ -95,8 +95,8 @@ inline RawPack makeTinyCagePack() {
   return pack;
 }
 
-// Five parts, of which the comb has three cages, whose nodes the last two move as morph targets. Its bytes
-// are checked in as golden/morphs.kelp.
+// Six parts: the comb has three cages, whose nodes parts 3 and 4 move as morph targets; the block has
+// sections, which part 4 says. Its bytes are checked in as golden/morphs.kelp.
 inline RawPack makeTinyMorphPack() {
   RawPack pack = makeTinyPack();
   RawPart comb = makeCagedPart({22, 13, 3}, 3, 4, isComb), target;
@@ -110,6 +110,9 @@ inline RawPack makeTinyMorphPack() {
     target.name = name;
     pack.parts.push_back(target);
   }
+  pack.parts.push_back(makeCagedPart({10, 10, 10}, 1, 2, isBlock));
+  pack.parts.back().name = "block";
+  pack.parts.back().sections = 4;
   return pack;
 }
 

@@ -144,6 +144,14 @@ kelp_result kelp_pose_set_joints(kelp_pose pose, kelp_asset asset, const float* 
   });
 }
 
+kelp_result kelp_pose_set_section(kelp_pose pose, int32_t part, int32_t knot, const float width[2],
+                                  float twist, float keep_volume) {
+  return withPose(pose, [=](Pose& of) {
+    const glm::vec2 widths = width ? glm::vec2(width[0], width[1]) : glm::vec2(1);
+    return answer(of.setSection(part, knot, {widths, twist, keep_volume}));
+  });
+}
+
 kelp_result kelp_pose_set_morph(kelp_pose pose, kelp_asset asset, const char* name, float weight) {
   if (!name) return nullPointer();
   return withPoseOf(pose, asset,

@@ -126,6 +126,7 @@ std::uint64_t layAll(std::span<const Part> parts, bool motions, std::byte* block
     each[i].cages = cages;
     each[i].places = places;
     each[i].side = from[0].side;
+    each[i].sections = parts[i].sections;
     std::copy(from[0].places.begin(), from[0].places.end(), places);
   }
   return carver.used;

@@ -17,6 +17,8 @@ constexpr Error kFollowsNowhere{
     ErrorCode::kMisuse,
     "a part that the nodes of a cage follow, or a morph target, has a motion of no finite numbers, or "
     "takes them farther away than 2^20 times the part's longest side"};
+constexpr Error kBadSection{ErrorCode::kMisuse,
+                            "a section has a width or a twist that is no finite number, or far too large"};
 constexpr Error kBadNode{ErrorCode::kMisuse,
                          "a node that was written is no finite number, or farther away than 2^20 times the "
                          "part's longest side",
@@ -33,9 +35,11 @@ float endOfNodes(const glm::ivec3& size) {
 struct Section {
   glm::vec3 x{1, 0, 0}, z{0, 0, 1}, at;
   glm::vec2 inward{0};
+  glm::mat2 across{1};  // first takes (x, z) there: its width and twist
 
   // The lattice may end beside the part, by less than a cell. There nodes stay where nothing folds.
   glm::vec3 place(glm::vec2 node) const {
+    node = across * node;
     constexpr auto kMost = static_cast<float>(kMostCurved);
     const float curved = glm::dot(inward, node);
     if (curved > kMost) node -= (curved - kMost) / glm::dot(inward, inward) * inward;
@@ -86,6 +90,35 @@ Result<void> sweepSections(std::span<const Knot> knots, const glm::ivec3& size, 
   return {};
 }
 
+// At a height, 0 to 1, of the knots of a section part: linear between them.
+PartSection sectionAtHeight(std::span<const Knot> knots, float at) {
+  std::size_t above = 1;
+  while (above + 1 < knots.size() && knots[above].at < at) ++above;
+  const Knot &low = knots[above - 1], &high = knots[above];
+  const PartSection a = sectionOf(low), b = sectionOf(high);
+  const float t = glm::clamp((at - low.at) / (high.at - low.at), 0.0f, 1.0f);
+  return {glm::mix(a.width, b.width, t), glm::mix(a.twist, b.twist, t),
+          glm::mix(a.keep_volume, b.keep_volume, t)};
+}
+
+// Gives the sections of a posed lattice their widths and twists. By how much the spline is longer at a
+// section is taken from its neighbors.
+void widen(std::span<const Knot> knots, int height, Bend bend, int side, std::span<Section> sections) {
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const std::size_t low = i > 0 ? i - 1 : 0, high = std::min(i + 1, sections.size() - 1);
+    const glm::vec3 rise = sections[high].at - sections[low].at;
+    const float longer = (bend == Bend::kSweep ? glm::length(rise) : rise.y) /
+                         static_cast<float>(side * static_cast<int>(high - low));
+    const PartSection its =
+        sectionAtHeight(knots, static_cast<float>(side * static_cast<int>(i)) / static_cast<float>(height));
+    const float volume = its.width.x * its.width.y * glm::clamp(longer, 1.0f / 64, 64.0f);
+    const float keep = volume > 0 ? std::pow(volume, -0.5f * glm::clamp(its.keep_volume, 0.0f, 1.0f)) : 1.0f;
+    const glm::vec2 width = keep * its.width;
+    const float c = std::cos(its.twist), s = std::sin(its.twist);
+    sections[i].across = {{width.x * c, -width.x * s}, {width.y * s, width.y * c}};
+  }
+}
+
 }  // namespace
 
 NodesInPose* PoseCages::of(const Pose& pose, int part) {
@@ -97,7 +130,7 @@ NodesInPose* PoseCages::of(const Pose& pose, int part) {
 
 std::uint64_t PoseCages::placedFor(const Pose& pose, int part) {
   const NodesInPose& nodes = *of(pose, part);
-  if (nodes.followsParts()) return stateOf(pose);
+  if (nodes.followsParts() || (nodes.sections >= 0 && !nodes.written)) return stateOf(pose);
   if (nodes.written || const_cast<Pose&>(pose).shapes()[part].bend != Bend::kSweep) return 0;
   return std::bit_cast<std::uint32_t>(pose.motion(part)->roll);
 }
@@ -133,6 +166,8 @@ bool PoseCages::place(const Pose& pose, int part) {
       std::fill(sections.begin(), sections.end(), Section{});
       sectionsAtRest(middle, nodes.side, sections);
     }
+    if (placed && nodes.sections >= 0)
+      widen(pose.knots(nodes.sections), shape.size.y, shape.bend, nodes.side, sections);
     const CageInPose& cage = nodes.cages[0];
     const auto side = static_cast<float>(nodes.side);
     for (std::uint32_t i = 0; i < cage.node_count; ++i) {
@@ -142,7 +177,11 @@ bool PoseCages::place(const Pose& pose, int part) {
       const float z = side * static_cast<float>(place >> 20) - middle.z;
       cage.nodes[i] = section.place({x, z});
     }
-    return static_cast<bool>(placed);
+    if (nodes.sections < 0 || !badNode(pose, part, cage.nodes, cage.node_count)) return bool(placed);
+    nodes.failure = kBadSection;
+    for (std::uint32_t i = 0; i < cage.node_count; ++i)
+      cage.nodes[i] = side * glm::vec3(latticePoint(nodes.places[i]));
+    return false;
   });
 }
 

@@ -68,11 +68,17 @@ struct CageInPose {
   Box inverted, bounds;
 };
 
+// Of a knot of a section part.
+inline PartSection sectionOf(const Knot& knot) {
+  return {{1 + knot.position.x, 1 + knot.position.z}, knot.tangent.x, knot.tangent.z};
+}
+
 // A part's cages.
 struct NodesInPose {
   std::span<CageInPose> cages;  // finest first; empty: the part has none
   const std::uint32_t* places;  // a copy of the finest one's: poses may outlive their asset
   int side;                     // of its cells
+  int sections;                 // as Part::sections
   bool written;                 // by the host
   Error failure;                // if placing the finest nodes failed
   std::uint32_t placements;     // how often they were placed where the spline takes them

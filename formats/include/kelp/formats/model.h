@@ -78,6 +78,9 @@ struct Part {
   // One cage a level, finest first; empty: the part has none. A part with cages is drawn through them: their
   // nodes go where the spline takes them, as `bend` says, or where the host puts them. For solid parts only.
   std::span<const Cage> cages;
+  // Of a part with cages that its own spline moves: the empty part whose knots say how wide and how far
+  // turned its sections are (SPEC.md 4.9, Sections); -1: they are as at rest.
+  int sections = -1;
 };
 
 // A named place on a part to which a game attaches things. It moves with the spline. At rest, in part space,

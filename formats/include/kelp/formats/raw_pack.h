@@ -88,6 +88,7 @@ struct RawPart {
   // One for each node of the finest cage; none: the nodes go where the part's own spline takes them.
   std::vector<Influences> influences;
   std::vector<RawMorph> morphs;  // by part, ascending strictly; only with influences
+  int sections = -1;             // as in Part; only without influences
 };
 
 struct RawTrack {
@@ -171,6 +172,7 @@ struct RawCages {
   std::vector<RawCage> cages;
   std::vector<Influences> influences;
   std::vector<RawMorph> morphs;
+  int sections = -1;
 };
 
 // The content that writeRigs replaces in a pack.

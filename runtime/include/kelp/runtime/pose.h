@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -23,6 +24,13 @@ struct Motion {
   float roll = 0;  // radians: the turn of a swept part about its spline at the first knot, beside Part::roll
 
   bool operator==(const Motion&) const = default;
+};
+
+// How a section across a part's spline differs from rest. A width of 0 or less draws nothing there.
+struct PartSection {
+  glm::vec2 width{1};     // factors along the part's x and z, before it is turned
+  float twist = 0;        // radians, about the spline, by the right hand
+  float keep_volume = 0;  // 0 to 1: how far both widths are changed so that the volume stays; 1: wholly
 };
 
 struct PoseCages;
@@ -76,6 +84,14 @@ class Pose {
   // kMisuse, with nothing changed: the pose does not fit the asset, the number of matrices is not that of its
   // joints, or one is not affine, or has a number that is not finite; `offset` is the index of the joint.
   Result<void> setJoints(const Asset& asset, std::span<const glm::mat4> matrices);
+
+  // Widens and turns a part's sections: at a knot of its section part (asset.pack().parts()[part].sections),
+  // linear between knots. So taper, squash, bulges and twists. These are that part's knots, which clips move,
+  // too: position x and z are widths - 1, tangent x is the twist, tangent z keep_volume. kMisuse, with
+  // nothing changed: the part has no sections, there is no such knot, or a number is not finite.
+  Result<void> setSection(int part, int knot, const PartSection& section);
+  // The section now. Empty: there is no such knot.
+  std::optional<PartSection> section(int part, int knot) const;
 
   // Sets the weight of the morph targets of that name: 0 at rest, 1: as in the file; it may be anything. A
   // clip adds to it. Each is an empty part of that name (Cage::morphs names it), and the weight the x of its

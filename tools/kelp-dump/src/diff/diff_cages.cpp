@@ -35,6 +35,8 @@ void diffCages(const Part& a, const Part& b, std::vector<Difference>& out) {
     Difference& difference = say(cageText(a) + " and " + cageText(b));
     difference.a = cageText(a);
     difference.b = cageText(b);
+  } else if (a.sections != b.sections) {
+    say("other sections");
   } else if (a.size == b.size) {
     for (std::size_t i = 0; i < std::min(a.cages.size(), b.cages.size()); ++i) {
       const Cage &u = a.cages[i], &v = b.cages[i];

@@ -27,6 +27,7 @@ Json cageJson(const Part& part) {
   Json json = {{"cell", part.cages[0].side}, {"spline", toString(part.bend)}, {"cages", cages}};
   if (const std::set<std::uint16_t> followed = followedParts(part); !followed.empty())
     json["follows"] = followed;
+  if (part.sections >= 0) json["sections"] = part.sections;
   for (const Morph& morph : part.cages[0].morphs)
     json["morphs"].push_back({{"part", morph.part}, {"nodes", morph.moved.size()}});
   return json;

@@ -60,6 +60,13 @@ KELP_API kelp_result kelp_pose_write_nodes(kelp_pose pose, int32_t part, float**
 KELP_API kelp_result kelp_pose_set_joints(kelp_pose pose, kelp_asset asset, const float* matrices,
                                           uint32_t count);
 
+// Widens and turns a part's sections, at a knot of the empty part that says them; linear between knots.
+// width: factors along the part's x and z (null: 1); twist: radians about the spline; keep_volume: 0 to 1,
+// how far the widths are changed so that the volume stays. Clips move these knots, too. KELP_ERROR_MISUSE:
+// the part has no sections, no such knot, or a number is not finite.
+KELP_API kelp_result kelp_pose_set_section(kelp_pose pose, int32_t part, int32_t knot, const float width[2],
+                                           float twist, float keep_volume);
+
 // Sets the weight of the morph targets of that name: 0 at rest, 1: as in the file; it may be anything. Clips
 // add to it; it is the x of the translation that kelp_pose_get_motion gives of the target's empty part.
 // KELP_ERROR_MISUSE: there is none, the pose does not fit, or the weight is not finite.
