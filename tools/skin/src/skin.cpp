@@ -108,7 +108,7 @@ std::vector<SkinNode> nodesOf(const SkinBody& body, const TriedCage& cage) {
 
 double skinBytes(double voxels, std::size_t joints) {
   // Cuts and the nearest samples; samples, the equations, motions of joints.
-  constexpr double kOfVoxel = 12, kOfSamples = 60e6, kOfJoint = 20e3;
+  constexpr double kOfVoxel = 12, kOfSamples = 80e6, kOfJoint = 20e3;
   return voxels * kOfVoxel + kOfSamples + static_cast<double>(joints) * kOfJoint;
 }
 
