@@ -163,8 +163,8 @@ class Tests(Harness, Hands, Faults):
                                                 for text in found["f"]), found["f"])
         self.check("and change nothing", found["kept"] == found["joints"], found["kept"])
         self.check("null gives them back", max(map(abs, found["back"])) < 0.001, found["back"])
-        self.check("nodes go where they are put", max(map(abs, (a - b for a, b in zip(found["nodes"], (5, 5, 0))))) < 0.001,
-                   found["nodes"])
+        self.check("nodes go where they are put",
+                   max(abs(a - b) for a, b in zip(found["nodes"], (5, 5, 0))) < 0.001, found["nodes"])
         self.check("until the pose is reset", max(map(abs, found["reset"])) < 0.001, found["reset"])
 
     def links(self):

@@ -145,7 +145,7 @@ void keepStillClips(SkinCage& cage) {
 double skinBytes(double voxels, const SourceSkin& skin) {
   // Cuts and the nearest samples; samples, the equations, motions of joints; where morph targets move nodes
   // of the smallest cells and samples.
-  constexpr double kOfVoxel = 12, kOfSamples = 85e6, kOfJoint = 20e3, kOfMovedArea = 50, kOfMoved = 1e6;
+  constexpr double kOfVoxel = 12, kOfSamples = 90e6, kOfJoint = 20e3, kOfMovedArea = 50, kOfMoved = 1e6;
   double moved = 0;  // shares of the vertices
   for (const SourceSkin::Morph& morph : skin.morphs)
     moved += static_cast<double>(morph.vertices.size()) / static_cast<double>(skin.first_influence.size());
