@@ -127,19 +127,20 @@ def local(node):
 
 def draw(triangles, view, background):
     """A picture of triangles in gray, lit from the eye: the nearest wins."""
-    width, height = SIZE
+    width, height = size = view.viewport
     image = np.tile(np.array(background[:3]) * 255, (height, width, 1))
     depth = np.full((height, width), np.inf)
     corners = np.concatenate([triangles, np.ones(triangles.shape[:2] + (1,))], 2)
     eye = corners @ np.asarray(view.world_to_eye).T
     clip = eye @ np.asarray(view.eye_to_clip).T
-    screen = (clip[..., :2] / clip[..., 3:] * (1, -1) + 1) / 2 * SIZE
-    for points, ends in zip(screen, eye[..., :3]):
+    screen = (clip[..., :2] / clip[..., 3:] * (1, -1) + 1) / 2 * size
+    seen = (screen.min(1) < size).all(1) & (screen.max(1) > 0).all(1)
+    for points, ends in zip(screen[seen], eye[seen, :, :3]):
         normal = np.cross(ends[1] - ends[0], ends[2] - ends[0])
-        low = np.clip(np.floor(points.min(0)).astype(int), 0, SIZE)
-        high = np.clip(np.ceil(points.max(0)).astype(int) + 1, 0, SIZE)
+        low = np.clip(np.floor(points.min(0)).astype(int), 0, size)
+        high = np.clip(np.ceil(points.max(0)).astype(int) + 1, 0, size)
         edges = np.column_stack([points[1] - points[0], points[2] - points[0]])
-        if (high <= low).any() or abs(np.linalg.det(edges)) < 1e-12:
+        if abs(np.linalg.det(edges)) < 1e-12:
             continue
         y, x = np.mgrid[low[1]:high[1], low[0]:high[0]]
         pixels = np.array([x.ravel(), y.ravel()]) + 0.5

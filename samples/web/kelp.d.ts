@@ -46,6 +46,16 @@ export interface Description {
   distances: boolean;
   parts: Part[];
   clips: {name: string; duration: number}[];
+  joints: Joint[];
+}
+
+/** Of the skin that a pack was made of; parents come first. */
+export interface Joint {
+  name: string;
+  /** Number of an earlier joint; null: none. */
+  parent: number | null;
+  /** Meters at rest -> joint space: 16 numbers, column by column. */
+  inverseBind: number[];
 }
 
 /** A knot that was moved. Lengths are in heights of the part, y along its axis. */
@@ -122,7 +132,21 @@ export interface View extends EventTarget {
   retry(): void;
   sizes(): Sizes;
 
-  /** Moves knots; null: back to rest. Returns what is moved. */
+  /**
+   * Moves the joints of the pack's skin as your own animation says, one matrix for each of `description.joints`:
+   * 16 numbers, column by column, meters at rest -> meters now. If M takes joint space to meters, that is
+   * M * inverseBind. It is affine; it may scale, shear, mirror and flatten. Clips no longer move the joints, until
+   * null or pose(null).
+   */
+  setJoints(matrices: ArrayLike<number>[] | null): void;
+  /**
+   * Where the nodes of a part's finest cage were in the last frame, a copy: three numbers each, voxels in part
+   * space. None without a cage. Part: default 0.
+   */
+  nodes(part?: number): Float32Array;
+  /** Puts them where you say; nothing else moves them, until null or pose(null). */
+  setNodes(part: number, nodes: ArrayLike<number> | null): void;
+  /** Moves knots; null: back to rest, joints and nodes too. Returns what is moved. */
   pose(changes?: KnotPose | KnotPose[] | null): KnotPose[];
   /** Plays a clip by name or number; null: none. speed 0 shows one moment. */
   play(clip: string | number | null, options?: {time?: number; speed?: number}): void;

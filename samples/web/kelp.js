@@ -197,6 +197,34 @@ export class View extends EventTarget {
     this.invalidate();
     return [...this.#pose.values()];
   }
+  setJoints(matrices) {
+    (matrices ?? []).forEach(({length}, i) => {
+      if (length !== 16) throw new KelpError(`the matrix of joint ${i} has 16 numbers, not ${length}`);
+    });
+    this.#lend([...matrices ?? []].flatMap((matrix) => [...matrix]),
+               (at, count) => this.#module._kelp_joints(at, count / 16));
+  }
+  nodes(part = 0) {
+    const at = this.#module._kelp_nodes(part) >> 3, [count, address] = this.#module.HEAPF64.subarray(at, at + 2);
+    if (count < 0) throw new KelpError(`there is no part ${part}`);
+    return this.#module.HEAPF32.slice(address >> 2, (address >> 2) + 3 * count);
+  }
+  setNodes(part, nodes) {
+    const count = this.nodes(part).length;
+    if (nodes && nodes.length !== count)
+      throw new KelpError(`the nodes of part ${part} have ${count} numbers, not ${nodes.length}`);
+    this.#lend(nodes ?? [], (at) => this.#module._kelp_set_nodes(part, at, (nodes ?? []).length / 3));
+  }
+  // Calls call(address, how many) for numbers in the module's memory; false: it says why.
+  #lend(numbers, call) {
+    const at = this.#module._malloc(4 * numbers.length + 4);
+    if (!at) throw new KelpError('there is no memory for so many numbers');
+    this.#module.HEAPF32.set(numbers, at >> 2);
+    const taken = this.#guard(() => call(at, numbers.length), 0);
+    if (!this.#ended) this.#module._free(at);
+    if (!taken) throw new KelpError(this.#takeProblem());
+    this.invalidate();
+  }
   wind(acceleration) {
     this.#module._kelp_wind(...acceleration);
     this.invalidate();

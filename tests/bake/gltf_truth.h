@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A second reader of glTF, as short as it can be: the JSON as it stands, in double precision, for what nodes
-// and vertices do over time. Knows what the tests' files hold (one buffer, no sparse or compressed data) and
-// checks nothing.
+// and vertices do over time. Knows what the tests' files hold (one buffer, no compressed data) and checks
+// nothing.
 #pragma once
 
 #include <array>
@@ -50,10 +50,12 @@ class GltfTruth {
 
   // The corners of a node's triangles, three a triangle, in the space of its mesh, morphed.
   std::vector<glm::dvec3> corners(int node, int animation = -1, double time = 0) const {
+    return cornersAt(node, weightsAt(node, animation, time));
+  }
+  std::vector<glm::dvec3> cornersAt(int node, const std::vector<double>& weights) const {
     std::vector<glm::dvec3> out;
     for (const auto& primitive : meshOf(node)["primitives"]) {
       std::vector<glm::dvec3> at = vectors(primitive["attributes"]["POSITION"]);
-      const std::vector<double> weights = weightsAt(node, animation, time);
       for (std::size_t t = 0; t < weights.size(); ++t) {
         const std::vector<glm::dvec3> delta = vectors(primitive["targets"][t]["POSITION"]);
         for (std::size_t i = 0; i < at.size(); ++i) at[i] += weights[t] * delta[i];
@@ -65,7 +67,11 @@ class GltfTruth {
 
   // The same in the world, by the node or, where it has one, by its skin.
   std::vector<glm::dvec3> worldCorners(int node, int animation, double time) const {
-    std::vector<glm::dvec3> out = corners(node, animation, time);
+    return worldCornersAt(node, animation, time, weightsAt(node, animation, time));
+  }
+  std::vector<glm::dvec3> worldCornersAt(int node, int animation, double time,
+                                         const std::vector<double>& weights) const {
+    std::vector<glm::dvec3> out = cornersAt(node, weights);
     const auto& source = json_["nodes"][static_cast<std::size_t>(node)];
     if (!source.contains("skin")) {
       const glm::dmat4 matrix = world(node, animation, time);
@@ -119,18 +125,30 @@ class GltfTruth {
 
   std::vector<double> numbers(std::size_t accessor) const {
     const Json& a = json_["accessors"][accessor];
-    const Json& view = json_["bufferViews"][a["bufferView"].get<std::size_t>()];
     const std::string type = a["type"];
     const std::size_t width = type == "SCALAR" ? 1
                               : type == "MAT4" ? 16
                                                : static_cast<std::size_t>(type[3] - '0');
-    const int component = a["componentType"];
+    if (!a.contains("sparse")) return numbers(a, width, a["componentType"], a["count"]);
+    const Json& sparse = a["sparse"];
+    std::vector<double> out(width * a["count"].get<std::size_t>(), 0.0);
+    if (a.contains("bufferView")) out = numbers(a, width, a["componentType"], a["count"]);
+    const std::vector<double> at = numbers(sparse["indices"], 1, sparse["indices"]["componentType"],
+                                           sparse["count"]),
+                              values = numbers(sparse["values"], width, a["componentType"], sparse["count"]);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      out[width * static_cast<std::size_t>(at[i / width]) + i % width] = values[i];
+    return out;
+  }
+
+  std::vector<double> numbers(const Json& a, std::size_t width, int component, std::size_t count) const {
+    const Json& view = json_["bufferViews"][a["bufferView"].get<std::size_t>()];
     const std::size_t size = component == 5126 || component == 5125 ? 4 : component == 5123 ? 2 : 1;
     const std::size_t stride = view.value("byteStride", width * size),
                       first =
                           view.value("byteOffset", std::size_t{0}) + a.value("byteOffset", std::size_t{0});
     std::vector<double> out;
-    for (std::size_t i = 0; i < a["count"].get<std::size_t>(); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t c = 0; c < width; ++c) {
         const char* at = buffer_.data() + first + i * stride + c * size;
         float real;

@@ -2,9 +2,12 @@
 // Skins whose cages clips move, as the runtime poses them, in pictures beside the skinned triangles of a
 // second reader; and beside bakes of the same moments.
 #include <algorithm>
+#include <span>
+#include <utility>
 
 #include "baked_asset.h"
 #include "gltf_truth.h"
+#include "kelp/formats/cage.h"
 #include "support/all_tests.h"
 #include "support/assets.h"
 
@@ -82,6 +85,38 @@ TEST(SkinPictures, RiggedSimple) {
 TEST(SkinPictures, Greenman) {
   KELP_ASSET(path, "gltf/skinned/greenman.glb");
   expectPictures(path, 12, 1, 0.97, 0.96, 0.01);
+}
+
+// The arm is up. The joints' motions, blended by the weights of the armpit, turn its surface over: cells
+// under it that only followed these would be inverted, and so empty.
+TEST(SkinPictures, GreenmansArmpitIsWhole) {
+  KELP_ASSET(path, "gltf/skinned/greenman.glb");
+  for (const int resolution : {128, 256}) {
+    const BakedAsset baked(path, {}, resolution);
+    const RawPart& body = baked.pack().parts[0];
+    CageMemory memory;
+    const Result<Cage> made =
+        makeCage(body.cages[0].source(), body.size, static_cast<int>(body.levels.size()), body.cell, 0,
+                 nullptr, 1u << 30, memory);
+    ASSERT_TRUE(made);
+    const Cage& cage = *made;
+    runtime::Pose pose = *runtime::Pose::create(baked.asset());
+    ASSERT_TRUE(runtime::addClip(baked.asset(), 3, 0.52, 1, pose));
+    const std::span<const glm::vec3> nodes = std::as_const(pose).nodes(0);
+    int inverted = 0;
+    for (std::uint32_t cell = 0; cell < cage.cells(); ++cell)
+      for (const CageTetrahedron& one : kCageTetrahedra) {
+        glm::dmat3 rest, posed;
+        for (int i = 0; i < 3; ++i) {
+          const std::uint32_t from = cage.node(cell, one.corners[0]),
+                              to = cage.node(cell, one.corners[i + 1]);
+          rest[i] = glm::dvec3(cage.rest(to) - cage.rest(from));
+          posed[i] = glm::dvec3(nodes[to] - nodes[from]);
+        }
+        inverted += glm::determinant(rest) * glm::determinant(posed) <= 0;
+      }
+    EXPECT_LT(inverted, 0.003 * 6 * cage.cells()) << resolution;
+  }
 }
 
 }  // namespace

@@ -191,6 +191,17 @@ TEST_F(KelpDump, InfoTextFitsAScreenAndHasNoColorOffATerminal) {
   EXPECT_LT(std::count(result.out.begin(), result.out.end(), '\n'), 40);
 }
 
+TEST_F(KelpDump, InfoLeavesOutWhatSaysNothing) {
+  RawPack pack = packOf(levelsOf(blob(), 3));
+  pack.info_json =
+      R"({"tool": "t", "skin": {"rigs": []}, "files": {}, "options": {"list": [], "nothing": null}})";
+  writePack(pack);
+  const std::string out = dump({"info", path()}).out;
+  for (const char* words : {"rigs []", "  skin", "  files", "list"})
+    EXPECT_EQ(out.find(words), std::string::npos) << words;
+  EXPECT_NE(out.find("  options  nothing null\n"), std::string::npos) << out;
+}
+
 TEST_F(KelpDump, NamesFromAPackDoNotReachTheTerminalRaw) {
   RawPack pack = packOf(levelsOf(blob(), 1));
   pack.info_json = "{\"tool\": \"evil \\u001b[2J \xc2\x9b 31m\", \"deep\": " + std::string(5000, '[') +

@@ -314,10 +314,14 @@ TEST(SkinWeights, AreThoseOfDenseEquations) {
     at[s % 3] = s % 2 ? 0.01 : block.size[s % 3] - 0.01;
     samples.positions.push_back(at);
     samples.areas.push_back(0.5 + unit());
+    samples.normals.push_back(glm::normalize(glm::dvec3(unit() - 0.5, unit() - 0.5, unit() - 0.5)));
     double sum = 0;
     std::array<double, kJoints> weights{};
     for (std::size_t j = 0; j < kJoints; ++j) sum += weights[j] = std::exp(-std::abs(at.y - 3.0 * j)) + 0.01;
-    for (std::uint32_t j = 0; j < kJoints; ++j) samples.weighted.push_back({j, weights[j] / sum});
+    for (std::uint32_t j = 0; j < kJoints; ++j) {
+      samples.weighted.push_back({j, weights[j] / sum});
+      samples.slopes.push_back(0.1 * (unit() - 0.5));
+    }
     samples.first_weighted.push_back(samples.weighted.size());
     of.push_back(places.find(at, glm::ivec3(at)));
     ASSERT_TRUE(of.back());
@@ -327,12 +331,20 @@ TEST(SkinWeights, AreThoseOfDenseEquations) {
   }
   const std::size_t nodes = cage.nodes();
   std::vector<std::vector<double>> matrix(nodes, std::vector<double>(nodes, 0));
-  for (std::size_t s = 0; s < samples.size(); ++s)
-    for (int i = 0; i < 4; ++i)
-      for (int k = 0; k < 4; ++k)
-        matrix[of[s]->nodes[i]][of[s]->nodes[k]] += samples.areas[s] * of[s]->weights[i] * of[s]->weights[k];
+  std::vector<std::array<double, 4>> over(samples.size());  // what nodes add over a side along the normal
   double diagonal = 0;
-  for (std::size_t n = 0; n < nodes; ++n) diagonal += matrix[n][n] / static_cast<double>(nodes);
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    glm::dmat4 corners(1);  // the inverse takes points to the weights of these
+    for (int i = 0; i < 4; ++i) corners[i] = glm::dvec4(glm::dvec3(cage.rest(of[s]->nodes[i])), 1);
+    const glm::dvec4 change = glm::inverse(corners) * glm::dvec4(4.0 * samples.normals[s], 0);
+    for (int i = 0; i < 4; ++i) {
+      over[s][i] = change[i];
+      diagonal += samples.areas[s] * of[s]->weights[i] * of[s]->weights[i] / static_cast<double>(nodes);
+      for (int k = 0; k < 4; ++k)
+        matrix[of[s]->nodes[i]][of[s]->nodes[k]] +=
+            samples.areas[s] * (of[s]->weights[i] * of[s]->weights[k] + 0.03 * change[i] * change[k]);
+    }
+  }
   for (std::size_t n = 0; n < nodes; ++n)
     for (std::size_t m = 0; m < nodes; ++m) {
       const glm::ivec3 apart =
@@ -346,10 +358,12 @@ TEST(SkinWeights, AreThoseOfDenseEquations) {
     std::vector<double> right(nodes, 0);
     for (std::size_t s = 0; s < samples.size(); ++s)
       for (int i = 0; i < 4; ++i)
-        right[of[s]->nodes[i]] += samples.areas[s] * of[s]->weights[i] * samples.weights(s)[j].weight;
+        right[of[s]->nodes[i]] +=
+            samples.areas[s] * (of[s]->weights[i] * samples.weights(s)[j].weight +
+                                0.03 * over[s][i] * 4 * samples.slopes[kJoints * s + j]);
     columns.push_back(solved(matrix, right));
   }
-  const std::vector<Influences> made = weightsOfNodes(samples, of, cage, kJoints, 2);
+  const std::vector<Influences> made = NodeSolver(samples, of, cage).weights(kJoints, 2);
   ASSERT_EQ(made.size(), nodes);
   for (std::size_t n = 0; n < nodes; ++n) {
     std::vector<double> kept;

@@ -18,7 +18,7 @@ namespace {
 // A chain of joints, each a unit above the one before, which all turn; `uses`: how many vertices each moves.
 SourceSkin chain(const std::vector<int>& uses) {
   SourceSkin skin;
-  SourceSkin::Clip clip{"turn", 1, {0, 0.5f, 1}, {}, {}};
+  SourceSkin::Clip clip{"turn", 1, {0, 0.5f, 1}, {}, {}, {}};
   for (std::size_t j = 0; j < uses.size(); ++j) {
     SourceSkin::Joint& joint = skin.joints.emplace_back();
     joint.name = "j" + std::to_string(j);

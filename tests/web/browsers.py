@@ -119,6 +119,54 @@ class Tests(Harness, Hands, Faults):
                           "catch (e) { f.push(e.name); } return f")
         self.check("mistakes are KelpErrors", faults == ["KelpError"] * 3, faults)
 
+    def moves_joints(self):
+        """The octopus: one cage that follows its joints."""
+        self.open("src=packs/octopus.kelp")
+        self.wait_open()
+        found = self.run("""
+            Object.assign(v.canvas.style, {width: '96px', height: '120px'});
+            const frame = async () => {
+              const n = v.frames;
+              for (v.invalidate(); v.frames < n + 2; await s(20)) v.invalidate();
+            };
+            v.play(null); await frame();
+            const f = [], none = v.nodes(), n = v.description.joints.length;
+            const moved = (x, i = 12) => {
+              const m = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+              m[i] += x;
+              return m;
+            };
+            const all = (matrix) => v.description.joints.map(() => matrix);
+            const shift = () => {  // least and most along x, most along y and z
+              const by = v.nodes().map((x, i) => x - none[i]), x = by.filter((_, i) => i % 3 === 0);
+              return [Math.min(...x), Math.max(...x), Math.max(...by.map((d, i) => i % 3 ? Math.abs(d) : 0))];
+            };
+            v.setJoints(all(moved(0.1))); await frame();
+            const joints = shift();
+            for (const wrong of [() => v.setJoints(all(moved(0)).slice(1)), () => v.setJoints(all([1])),
+                                 () => v.setJoints(all(moved(NaN))), () => v.setJoints(all(moved(1, 3))),
+                                 () => v.nodes(999), () => v.setNodes(0, [1, 2, 3])])
+              try { wrong(); } catch (e) { f.push(`${e.name}: ${e.message}`); }
+            await frame();
+            const kept = shift();
+            v.setJoints(null); await frame();
+            const back = shift();
+            v.setNodes(0, none.map((x, i) => i % 3 ? x : x + 5)); await frame();
+            const nodes = shift();
+            v.pose(null); await frame();
+            return {joints, kept, back, nodes, reset: shift(), f, n, count: none.length};""")
+        least, most, aside = found["joints"]
+        self.check("setJoints moves the nodes", found["n"] > 8 and found["count"] > 300 and least > 3 and
+                   most - least < 0.01 and aside < 0.01, found["joints"])
+        self.check("mistakes with them are KelpErrors that say what is wrong",
+                   len(found["f"]) == 6 and all(text.startswith("KelpError: ") and len(text) > 25
+                                                for text in found["f"]), found["f"])
+        self.check("and change nothing", found["kept"] == found["joints"], found["kept"])
+        self.check("null gives them back", max(map(abs, found["back"])) < 0.001, found["back"])
+        self.check("nodes go where they are put",
+                   max(abs(a - b) for a, b in zip(found["nodes"], (5, 5, 0))) < 0.001, found["nodes"])
+        self.check("until the pose is reset", max(map(abs, found["reset"])) < 0.001, found["reset"])
+
     def links(self):
         self.open("src=packs/tentacle.kelp&clip=curl&time=2.5&yaw=75&pitch=5&zoom=1.3&pan=0.1,0"
                   "&t=0:6:0.5,0.8,0")
@@ -217,8 +265,8 @@ class Tests(Harness, Hands, Faults):
                                                  f"{before[1]} -> {after[1]}")
 
     def all(self):
-        names = ["shows", "equals_render", "bends", "poses", "keys", "links", "drops", "faults", "claims",
-                 "hostile_vox", "loses", "streams", "phone", "paces", "stays_small"]
+        names = ["shows", "equals_render", "bends", "poses", "keys", "moves_joints", "links", "drops",
+                 "faults", "claims", "hostile_vox", "loses", "streams", "phone", "paces", "stays_small"]
         for name in os.environ.get("KELP_WEB_TESTS", "").split() or names:
             try:
                 getattr(self, name)()

@@ -16,6 +16,8 @@ async function show(canvas: HTMLCanvasElement): Promise<View> {
   view.pose({knot: 3, tangent: [0.8, 0.6, 0]});
   view.pose([{part: 1, knot: 3, offset: [0, 0.1, 0]}]);
   view.pose(null);
+  view.setJoints(view.description!.joints.map(({inverseBind}) => inverseBind));
+  view.setNodes(0, view.nodes().map((place) => 2 * place));
   view.camera = {yaw: 75};
   const camera: Camera = view.camera;
   const hit: Hit | null = view.pick(120, 80);
@@ -39,6 +41,8 @@ export async function mistakes(view: View) {
   view.pose({tangent: [0, 1, 0]});
   // @ts-expect-error: three numbers
   view.pose({knot: 1, tangent: [0, 1]});
+  // @ts-expect-error: a list of matrices
+  view.setJoints([1, 0, 0, 0]);
   // @ts-expect-error: it is only read
   view.frames = 0;
   // @ts-expect-error: there is no such thing

@@ -26,9 +26,10 @@ VoxelizeResult voxelize(const SourceModel&, const SourcePart&, const Frame&, Fil
 std::vector<glm::vec3> readPalette(const std::filesystem::path&, FilesUsed*) { refuseMesh(); }
 void requirePlan(const SourcePart&, const std::filesystem::path&) { refuseMesh(); }
 void countSkin(const SourceSkin&, PartSize&) { refuseMesh(); }
-DividedSkin divideSkinnedPart(SourceModel&, const Frame&, int, int, const Progress&, Report&) {
+void limitSkin(SourceModel&, Report&) { refuseMesh(); }
+SkinnedBody divideSkinnedPart(SourceModel&, const Frame&, const Settings&, int, const Progress&, Report&) {
   refuseMesh();
 }
-void reportFits(const DividedSkin&, const Frame&, Report&) { refuseMesh(); }
+void reportFits(const std::vector<SkinFit>&, Report&) { refuseMesh(); }
 
 }  // namespace kelp::bake

@@ -79,6 +79,18 @@ std::string describe(const Pack& pack, const Box& box) {
     put(out, clip.duration);
     out += '}';
   }
+  out += "],\"joints\":[";
+  for (const Joint& joint : pack.joints()) {
+    if (&joint != pack.joints().data()) out += ',';
+    out += "{\"name\":";
+    put(out, joint.name);
+    out += ",\"parent\":" + (joint.parent < 0 ? "null" : std::to_string(joint.parent)) + ",\"inverseBind\":[";
+    for (int i = 0; i < 16; ++i) {
+      if (i > 0) out += ',';
+      put(out, joint.inverse_bind[i / 4][i % 4]);
+    }
+    out += "]}";
+  }
   return out + "]}";
 }
 

@@ -67,6 +67,19 @@ EMSCRIPTEN_KEEPALIVE int kelp_tangent(int part, int knot, float x, float y, floa
 EMSCRIPTEN_KEEPALIVE int kelp_offset(int part, int knot, float x, float y, float z) {
   return viewer->setOffset(part, knot, {x, y, z});
 }
+EMSCRIPTEN_KEEPALIVE int kelp_joints(const glm::mat4* matrices, int count) {
+  return viewer->setJoints({matrices, matrices + count});
+}
+EMSCRIPTEN_KEEPALIVE int kelp_set_nodes(int part, const glm::vec3* nodes, int count) {
+  return viewer->setNodes(part, {nodes, nodes + count});
+}
+// numbers: how many, their address. -1: there is no such part.
+EMSCRIPTEN_KEEPALIVE const double* kelp_nodes(int part) {
+  const std::span<const glm::vec3> nodes = viewer->nodes(part);
+  numbers[0] = viewer->hasPart(part) ? static_cast<double>(nodes.size()) : -1;
+  numbers[1] = static_cast<double>(reinterpret_cast<std::uintptr_t>(nodes.data()));
+  return numbers;
+}
 EMSCRIPTEN_KEEPALIVE void kelp_reset_pose() { viewer->resetPose(); }
 EMSCRIPTEN_KEEPALIVE int kelp_wind(float x, float y, float z) { return viewer->setWind({x, y, z}); }
 EMSCRIPTEN_KEEPALIVE void kelp_orbit(float yaw, float pitch, float zoom, float pan_x, float pan_y) {

@@ -101,7 +101,7 @@ int Viewer::open() {
   pose_ = std::move(*pose);
   base_ = std::move(*base);
   spring_ = std::move(*spring);
-  overrides_.clear();
+  resetPose();
   grab_ = {};
   rest_box_ = bounds(instance());
   has_fog_ = std::any_of(asset_->pack().parts().begin(), asset_->pack().parts().end(),
@@ -126,8 +126,28 @@ bool Viewer::setTangent(int part, int knot, const glm::vec3& tangent) {
 bool Viewer::setOffset(int part, int knot, const glm::vec3& offset) {
   return setOverride({part, knot, false, offset});
 }
+bool Viewer::setJoints(std::vector<glm::mat4> matrices) {
+  if (!asset_) return tell("No joint can be moved", Error{ErrorCode::kMisuse, "there is no pack"}), false;
+  if (!matrices.empty())
+    if (const auto set = base_.setJoints(*asset_, matrices); !set)
+      return tell("The joints cannot be moved", set.error()), false;
+  joints_ = std::move(matrices);
+  return true;
+}
+bool Viewer::setNodes(int part, std::vector<glm::vec3> nodes) {
+  if (nodes.empty()) return nodes_.erase(part), true;
+  if (nodes.size() != this->nodes(part).size()) {
+    problem_ = "Part " + std::to_string(part) + " has " + std::to_string(this->nodes(part).size()) +
+               " nodes, not " + std::to_string(nodes.size());
+    return false;
+  }
+  nodes_[part] = std::move(nodes);
+  return true;
+}
 void Viewer::resetPose() {
   overrides_.clear();
+  joints_.clear();
+  nodes_.clear();
   spring_.reset();
 }
 bool Viewer::setWind(const glm::vec3& acceleration) {
@@ -190,6 +210,8 @@ bool Viewer::load(double milliseconds) {
 void Viewer::poseNow(int clip, double clip_seconds, float step_seconds) {
   base_.reset();
   if (clip >= 0) (void)addClip(*asset_, clip, clip_seconds, 1, base_);
+  if (!joints_.empty()) (void)base_.setJoints(*asset_, joints_);
+  for (const auto& [part, nodes] : nodes_) std::copy(nodes.begin(), nodes.end(), base_.nodes(part).begin());
   for (const Override& o : overrides_)
     if (!o.tangent) (void)base_.move(o.part, o.knot, o.value);
   for (const Override& o : overrides_)

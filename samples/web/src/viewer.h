@@ -5,8 +5,10 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -55,6 +57,13 @@ class Viewer {
   // The replaced tangent or the offset of a knot, in heights of the part. False: there is no such knot.
   bool setTangent(int part, int knot, const glm::vec3& tangent);
   bool setOffset(int part, int knot, const glm::vec3& offset);
+  // The rules of runtime::Pose::setJoints() and nodes(), in this frame and all later ones, until resetPose();
+  // no matrices, no nodes: until now. False: see problem().
+  bool setJoints(std::vector<glm::mat4> matrices);
+  bool setNodes(int part, std::vector<glm::vec3> nodes);
+  // Where they were in the last frame.
+  std::span<const glm::vec3> nodes(int part) const { return pose_.nodes(part); }
+  bool hasPart(int part) const { return asset_ && part >= 0 && part < pose_.parts(); }
   void resetPose();
   bool setWind(const glm::vec3& acceleration);  // world, m / s^2
   Orbit orbit;
@@ -98,6 +107,8 @@ class Viewer {
   runtime::Pose pose_, base_;                          // with springs and without
   runtime::Spring spring_;
   std::vector<Override> overrides_;
+  std::vector<glm::mat4> joints_;                // that the host moves
+  std::map<int, std::vector<glm::vec3>> nodes_;  // that it put somewhere, by part
   Box rest_box_;
   gl::View view_;
   glm::ivec2 pixels_{1};

@@ -205,8 +205,7 @@ double voxelSize(const SourcePart& part, const glm::mat4x3& to_node) {
 
 template <class T>
 std::uint64_t countNonZero(const std::vector<T>& values) {
-  return static_cast<std::uint64_t>(values.size()) -
-         static_cast<std::uint64_t>(std::count(values.begin(), values.end(), T{0}));
+  return values.size() - static_cast<std::uint64_t>(std::count(values.begin(), values.end(), T{0}));
 }
 
 void reportFog(const SourcePart& part, Report::Part& line) {
@@ -287,8 +286,8 @@ void voxelizeParts(Job& job) {
   notices.moveTo(job.report.notices);
 }
 
-// The one part of a model that bends by joints gets its cage; its joints become parts.
-std::vector<SkinFit> divideSkin(Job& job) {
+// The one part of a model that bends by joints gets its cage; its joints and morph targets become parts.
+SkinnedBody divideSkin(Job& job) {
   SkinnedBody body =
       divideSkinnedPart(job.model, job.frames.front(), job.settings, job.threads, job.progress, job.report);
   requireRiggedParts(job.model, job.settings, job.input);
@@ -299,10 +298,11 @@ std::vector<SkinFit> divideSkin(Job& job) {
   part.cell = body.cell;
   part.cages = std::move(body.cages);
   part.influences = std::move(body.influences);
+  part.morphs = body.morphs;
   PartNotices none;
   for (std::size_t i = 1; i < job.model.parts.size(); ++i) voxelizePart(job, i, none);
   job.grids = {&*job.model.parts.front().grid};  // it has moved
-  return std::move(body.fits);
+  return body;
 }
 
 void choosePalette(Job& job) {
@@ -377,9 +377,9 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   voxelizeParts(job);
   if (skinned) {
     clock.begin("skin");
-    const std::vector<SkinFit> fits = divideSkin(job);
+    const SkinnedBody body = divideSkin(job);
     rigParts(job.model, input, job.pack, report);
-    reportFits(fits, report);
+    reportFits(body, report);
   }
   clock.begin("cages");
   addCages(job.model, settings, progress, input, job.pack);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "kelp/formats/pack.h"
+#include "kelp/import/core/outer_rig.h"
 #include "part_frames.h"
 #include "steps.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 // A warning above this distance of 95 % of the surface, in voxels: joints may look wrong.
 constexpr double kPoorFit = 2;
-// Readers take 4,096 parts by default.
+// Readers take 4,096 parts by default. Joints and morph targets together.
 constexpr std::size_t kMostJoints = 4000;
 
 // The joints as a pack holds them, joint j with part 1 + j: all or, with a notice, none.
@@ -62,12 +63,30 @@ SourcePart jointPart(SkinJoint joint, const SourcePart& body) {
   return part;
 }
 
+// An empty part whose translation along x is the weight of a morph target.
+SourcePart morphPart(SkinMorph& morph, const std::string& name, const SourcePart& body) {
+  SourcePart part;
+  part.name = name;
+  part.to_object = body.to_object;
+  part.rig = std::move(morph.rig);
+  part.rig.bend = Bend::kShear;
+  part.rig_origin = "morph target";
+  VoxelGrid& box = part.grid.emplace();
+  box.size = glm::ivec3(1);
+  box.to_node = body.grid->to_node;
+  return part;
+}
+
 void giveOuterRig(const OuterRig& outer, const std::optional<Bend>& bend, SourcePart& part) {
   const RigDescription* const given = outer.file.find(part.name);
   if (!given) return;
   part.rig = *given;
   part.rig_origin = outer.origin;
   if (!part.rig.bend) part.rig.bend = bend.value_or(kDefaultBend);
+}
+
+Report::Fit fitOf(const SkinFit& fit) {
+  return {fit.distances.mean, fit.distances.p95, fit.distances.max, fit.joint};
 }
 
 }  // namespace
@@ -82,16 +101,32 @@ SkinnedBody divideSkinnedPart(SourceModel& model, const Frame& frame, const Sett
   if (settings.bend && !settings.caged)
     report.notices.push_back(
         fmt::format("a skin bends as its joints move: --bend {} is left out", toString(*settings.bend)));
-  SkinnedBody out{std::move(made.fits), made.cell, std::move(made.cages), std::move(made.influences),
-                  jointsOf(skin, body.to_object, report)};
+  SkinnedBody out{std::move(made.fits),
+                  made.cell,
+                  std::move(made.cages),
+                  std::move(made.influences),
+                  jointsOf(skin, body.to_object, report),
+                  {},
+                  {}};
   for (Influences& node : out.influences)
     for (int i = 0; i < 4; ++i)
       if (node.weights[i] != 0) ++node.parts[i];
-  std::vector<SourcePart> joints;
-  for (SkinJoint& joint : made.joints) joints.push_back(jointPart(std::move(joint), body));
+  PartNames names;
+  names.take(body.name);
+  std::vector<SourcePart> followed;
+  for (SkinJoint& joint : made.joints) {
+    followed.push_back(jointPart(std::move(joint), body));
+    names.take(followed.back().name);
+  }
+  for (SkinMorph& morph : made.morphs) {
+    followed.push_back(morphPart(morph, names.take(morph.name), body));
+    morph.moves.part = static_cast<std::uint32_t>(followed.size());
+    out.morphs.push_back(std::move(morph.moves));
+    out.morph_fits.push_back(std::move(morph.fit));
+  }
   if (model.outer)
-    for (SourcePart& part : joints) giveOuterRig(*model.outer, settings.bend, part);
-  std::ranges::move(joints, std::back_inserter(model.parts));
+    for (SourcePart& part : followed) giveOuterRig(*model.outer, settings.bend, part);
+  std::ranges::move(followed, std::back_inserter(model.parts));
   for (const SourcePart& part : model.parts)
     if (part.rig.parent_at >= 0 && part.parent >= 0)
       model.parts[static_cast<std::size_t>(part.parent)].carries = true;
@@ -99,27 +134,33 @@ SkinnedBody divideSkinnedPart(SourceModel& model, const Frame& frame, const Sett
 }
 
 void limitSkin(SourceModel& model, Report& report) {
-  limitJoints(*model.parts.front().skin, kMostJoints, report.notices);
+  SourceSkin& skin = *model.parts.front().skin;
+  limitJoints(skin, kMostJoints, report.notices);
+  limitMorphs(skin, kMostJoints - skin.joints.size(), report.notices);
 }
 
-void countSkin(const SourceSkin& skin, PartSize& size) {
-  size.source_bytes = skinBytes(size.voxels(), skin.joints.size());
-}
+void countSkin(const SourceSkin& skin, PartSize& size) { size.source_bytes = skinBytes(size.voxels(), skin); }
 
-void reportFits(const std::vector<SkinFit>& fits, Report& report) {
+void reportFits(const SkinnedBody& body, Report& report) {
+  const std::vector<SkinFit>& fits = body.fits;
   std::map<std::string, const SkinFit*> by_clip;
   for (const SkinFit& fit : fits) by_clip[fit.clip] = &fit;
   for (Report::Clip& clip : report.clips)
-    if (const auto found = by_clip.find(clip.name); found != by_clip.end()) {
-      const SkinDistances& its = found->second->distances;
-      clip.fit = {its.mean, its.p95, its.max, found->second->joint};
-    }
-  for (const SkinFit& fit : fits)
+    if (const auto found = by_clip.find(clip.name); found != by_clip.end()) clip.fit = fitOf(*found->second);
+  for (std::size_t m = 0; m < body.morphs.size(); ++m) {
+    Report::Part& line = report.parts[body.morphs[m].part];
+    line.fill = "empty: its translation along x is the weight of a morph target";
+    line.fit = fitOf(body.morph_fits[m]);
+  }
+  const auto notePoor = [&](const char* kind, const SkinFit& fit) {
     if (fit.distances.p95 > kPoorFit)
       report.notices.push_back(fmt::format(
-          "clip '{}': a twentieth of the surface is more than {:.1f} voxels from where the skin would draw "
+          "{} '{}': a twentieth of the surface is more than {:.1f} voxels from where the skin would draw "
           "it, most ({:.1f}) at joint '{}'; smaller cells (--cell) follow the skin more closely",
-          fit.clip, fit.distances.p95, fit.distances.max, fit.joint));
+          kind, fit.clip, fit.distances.p95, fit.distances.max, fit.joint));
+  };
+  for (const SkinFit& fit : fits) notePoor("clip", fit);
+  for (const SkinFit& fit : body.morph_fits) notePoor("morph target", fit);
 }
 
 }  // namespace kelp::bake

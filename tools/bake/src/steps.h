@@ -37,21 +37,23 @@ struct SkinnedBody {
   std::vector<RawCage> cages;
   std::vector<Influences> influences;  // joint j is part 1 + j
   std::vector<RawJoint> joints;        // none where one of them cannot be stored
+  std::vector<RawMorph> morphs;        // their parts follow those of the joints
+  std::vector<SkinFit> morph_fits;     // of each
 };
 
-// Leaves out joints of the model's first part if it has more than a pack can have parts.
+// Leaves out joints and morph targets of the model's first part if it has more than a pack can have parts.
 void limitSkin(SourceModel& model, Report& report);
 
 // Makes the cage of the model's first part, whose voxels are made in `frame`, and appends an empty part for
-// each joint.
+// each joint, then one for each morph target.
 SkinnedBody divideSkinnedPart(SourceModel& model, const Frame& frame, const Settings& settings, int threads,
                               const Progress& progress, Report& report);
 
 // Adds what the cage of a skin needs to the size of its part.
 void countSkin(const SourceSkin& skin, PartSize& size);
 
-// Adds how well clips fit to the report, and a notice for those that do not fit well.
-void reportFits(const std::vector<SkinFit>& fits, Report& report);
+// Adds how well clips and morph targets fit to the report, and a notice for those that do not fit well.
+void reportFits(const SkinnedBody& body, Report& report);
 
 // ToolError kInvalid, with the names of the parts there are, if the outer rig has a rig for another part.
 void requireRiggedParts(const SourceModel& model, const ImportSettings& settings,

@@ -13,6 +13,8 @@ namespace {
 
 // Samples whose weights differ by less stay together. 1: no joint in common.
 constexpr double kAlike = 0.4;
+// So do those that morph targets move apart by less; voxels.
+constexpr double kGap = 1;
 // The mesh joins two samples if it does so within so many voxels of the middle of a cube of kPlace^3.
 constexpr double kNear = 6;
 constexpr double kPlace = 4;
@@ -55,9 +57,9 @@ double squaredDistance(const glm::ivec3& voxel, const glm::dvec3& point) {
 
 }  // namespace
 
-SkinCuts::SkinCuts(const TriangleSoup& soup, const Frame& frame, const SkinSamples& samples,
-                   const fields::SolidBits& solid)
-    : samples_(samples), solid_(solid) {
+SkinCuts::SkinCuts(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame,
+                   const SkinSamples& samples, const fields::SolidBits& solid)
+    : samples_(samples), solid_(solid), gaps_(soup, skin, frame) {
   for (const glm::vec3& at : soup.positions)
     corners_.emplace_back(frame.node_to_voxel * glm::dvec4(glm::dvec3(at), 1));
   first_at_.assign(corners_.size() + 1, 0);
@@ -108,12 +110,14 @@ SkinCuts::SkinCuts(const TriangleSoup& soup, const Frame& frame, const SkinSampl
 }
 
 bool SkinCuts::areApart(const SkinSamples& a, std::size_t i, const SkinSamples& b, std::size_t j) {
-  if (a.triangles[i] == b.triangles[j] || weightDifference(a.weights(i), b.weights(j)) <= kAlike)
-    return false;
+  if (a.triangles[i] == b.triangles[j]) return false;
+  const bool differ = weightDifference(a.weights(i), b.weights(j)) > kAlike;
+  if (!differ && gaps_.none()) return false;
   const glm::ivec3 place(glm::floor(0.5 / kPlace * (a.positions[i] + b.positions[j])));
   Surfaces& here = surfaces_[{place.x, place.y, place.z}];
   const glm::dvec3 middle = kPlace * (glm::dvec3(place) + 0.5);
-  return surfaceOf(a.triangles[i], middle, here) != surfaceOf(b.triangles[j], middle, here);
+  return surfaceOf(a.triangles[i], middle, here) != surfaceOf(b.triangles[j], middle, here) &&
+         (differ || gaps_.between(a, i, b, j) > kGap);
 }
 
 // Over vertices and edges that are near a point. All triangles of a surface are found with the first.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kelp/fields/solid_bits.h"
+#include "morph_gaps.h"
 #include "samples.h"
 
 namespace kelp::bake {
@@ -18,9 +19,9 @@ namespace kelp::bake {
 class SkinCuts {
  public:
   // A voxel belongs to the nearest sample whose triangle it is behind, if one is beside it. Neighbors that
-  // belong to samples are cut apart if the weights of these differ much and the mesh does not join them
-  // nearby. Keeps references.
-  SkinCuts(const TriangleSoup& soup, const Frame& frame, const SkinSamples& samples,
+  // belong to samples are cut apart if the weights of these differ much, or a morph target moves them apart,
+  // and the mesh does not join them nearby. Keeps references.
+  SkinCuts(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame, const SkinSamples& samples,
            const fields::SolidBits& solid);
 
   // Of each voxel, as fields::buildCages() has them; none if nothing is cut.
@@ -39,6 +40,7 @@ class SkinCuts {
 
   const SkinSamples& samples_;
   const fields::SolidBits& solid_;
+  MorphGaps gaps_;
   std::vector<glm::dvec3> corners_;  // vertices of the mesh, voxels
   std::vector<std::array<std::uint32_t, 3>> triangles_;
   std::vector<std::size_t> first_at_;  // of each vertex: where its triangles begin

@@ -22,23 +22,41 @@ JointMotions inVoxels(const std::vector<glm::dmat4x3>& motions, const Frame& fra
   return out;
 }
 
-glm::dvec3 skinnedAt(const SkinSamples& samples, std::size_t i, const JointMotions& motions) {
-  const glm::dvec4 rest(samples.positions[i], 1);
+glm::dvec3 skinnedAt(const SkinSamples& samples, std::size_t i, const glm::dvec3& morphed,
+                     const JointMotions& motions) {
+  const glm::dvec4 rest(morphed, 1);
   glm::dvec3 at(0);
   for (const SkinSamples::Weighted& w : samples.weights(i)) at += w.weight * (motions[w.joint] * rest);
   return at;
 }
 
+void addOffsets(const RawMorph& morph, double weight, std::vector<glm::dvec3>& nodes) {
+  for (std::size_t i = 0; i < morph.nodes.size(); ++i)
+    nodes[morph.nodes[i]] += weight * static_cast<double>(morph.step) * glm::dvec3(morph.offsets[i]);
+}
+
+std::vector<glm::dvec3> morphedSamples(const SkinSamples& samples, const MorphOffsets& morphs,
+                                       const std::vector<double>& weights) {
+  std::vector<glm::dvec3> morphed = samples.positions;
+  for (std::size_t m = 0; m < weights.size(); ++m)
+    if (weights[m] != 0)
+      for (const Offset& offset : morphs.of_samples[m]) morphed[offset.index] += weights[m] * offset.by;
+  return morphed;
+}
+
 std::vector<glm::dvec3> posedNodes(const Cage& cage, std::span<const Influences> influences,
-                                   const JointMotions& motions) {
+                                   const MorphOffsets& morphs, const SkinMoment& moment) {
   std::vector<glm::dvec3> nodes;
   nodes.reserve(influences.size());
+  for (std::uint32_t n = 0; n < influences.size(); ++n) nodes.emplace_back(cage.rest(n));
+  for (std::size_t m = 0; m < moment.weights.size(); ++m)
+    if (moment.weights[m] != 0) addOffsets(morphs.of_nodes[m], moment.weights[m], nodes);
   for (std::uint32_t n = 0; n < influences.size(); ++n) {
-    const glm::dvec4 rest(glm::dvec3(cage.rest(n)), 1);
-    glm::dvec3& at = nodes.emplace_back(0);
+    const glm::dvec4 rest(nodes[n], 1);
+    glm::dvec3& at = nodes[n] = glm::dvec3(0);
     for (int i = 0; i < 4; ++i)
       if (influences[n].weights[i] != 0)
-        at += influences[n].weights[i] / 255.0 * (motions[influences[n].parts[i]] * rest);
+        at += influences[n].weights[i] / 255.0 * (moment.joints[influences[n].parts[i]] * rest);
   }
   return nodes;
 }
@@ -69,17 +87,17 @@ class Histogram {
 
 }  // namespace
 
-std::vector<JointMotions> momentsOfClip(const SourceSkin& skin, std::uint32_t clip, const Frame& frame,
-                                        int moments) {
-  std::vector<JointMotions> out;
+std::vector<SkinMoment> momentsOfClip(const SourceSkin& skin, std::uint32_t clip, const Frame& frame,
+                                      int moments) {
+  std::vector<SkinMoment> out;
   for (const double time : evenTimes(skin.clips[clip], moments))
-    out.push_back(inVoxels(motionsAt(skin, clip, time), frame));
+    out.push_back({inVoxels(motionsAt(skin, clip, time), frame), weightsAt(skin, clip, time)});
   return out;
 }
 
-std::vector<JointMotions> inventedMoments(const SourceSkin& skin, const Frame& frame) {
+std::vector<SkinMoment> inventedMoments(const SourceSkin& skin, const Frame& frame) {
   constexpr double kTurn = 0.6;
-  std::vector<JointMotions> out;
+  std::vector<SkinMoment> out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<glm::dmat4> posed;
     std::vector<glm::dmat4x3> motions;
@@ -94,28 +112,53 @@ std::vector<JointMotions> inventedMoments(const SourceSkin& skin, const Frame& f
       posed.push_back(parent < 0 ? turn : posed[static_cast<std::size_t>(parent)] * turn);
       motions.emplace_back(posed.back());
     }
-    out.push_back(inVoxels(motions, frame));
+    out.push_back({inVoxels(motions, frame), {}});
   }
   return out;
 }
 
 CageFit fitOf(const SkinSamples& samples, const SamplePlaces& places, const Cage& cage,
-              std::span<const Influences> influences, std::span<const JointMotions> moments) {
+              std::span<const Influences> influences, const MorphOffsets& morphs,
+              std::span<const SkinMoment> moments) {
   CageFit fit;
   Histogram all;
   double most = -1;
-  for (const JointMotions& motions : moments) {
-    const std::vector<glm::dvec3> nodes = posedNodes(cage, influences, motions);
+  for (const SkinMoment& moment : moments) {
+    const std::vector<glm::dvec3> nodes = posedNodes(cage, influences, morphs, moment),
+                                  morphed = morphedSamples(samples, morphs, moment.weights);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       if (!places[i]) continue;
       glm::dvec3 at(0);
       for (int k = 0; k < 4; ++k) at += places[i]->weights[k] * nodes[places[i]->nodes[k]];
-      const double distance = glm::distance(at, skinnedAt(samples, i, motions));
+      const double distance = glm::distance(at, skinnedAt(samples, i, morphed[i], moment.joints));
       all.add(distance, samples.areas[i]);
       if (distance <= most) continue;
       most = distance;
       fit.joint = samples.heaviestJoint(i);
     }
+  }
+  fit.distances = all.distances();
+  return fit;
+}
+
+CageFit fitOfMorph(const SkinSamples& samples, const SamplePlaces& places, const Cage& cage,
+                   const MorphOffsets& morphs, std::size_t morph) {
+  std::vector<glm::dvec3> nodes(cage.nodes(), glm::dvec3(0)), wanted(samples.size(), glm::dvec3(0));
+  addOffsets(morphs.of_nodes[morph], 1, nodes);
+  for (const Offset& offset : morphs.of_samples[morph]) wanted[offset.index] = offset.by;
+  CageFit fit;
+  Histogram all;
+  double most = -1;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!places[i]) continue;
+    glm::dvec3 by(0);
+    for (int k = 0; k < 4; ++k) by += places[i]->weights[k] * nodes[places[i]->nodes[k]];
+    if (by == glm::dvec3(0) && wanted[i] == glm::dvec3(0)) continue;
+    const double distance = glm::distance(by, wanted[i]);
+    all.add(distance, samples.areas[i]);
+    if (distance <= most) continue;
+    most = distance;
+    fit.joint = samples.heaviestJoint(i);
   }
   fit.distances = all.distances();
   return fit;

@@ -276,6 +276,25 @@ std::vector<Track> chooseTracks(const KeyedMotion& motion, const std::vector<flo
   return TrackChoice(motion, times, tolerance).make();
 }
 
+std::vector<Track> chooseWeightTrack(const std::vector<float>& weights, const std::vector<float>& times,
+                                     double tolerance) {
+  const double power = powerBelow(0.2 * tolerance);
+  const auto keyed = [&](std::size_t t) { return rounded(static_cast<double>(weights[t]), power); };
+  if (std::all_of(weights.begin(), weights.end(),
+                  [&](float weight) { return std::abs(static_cast<double>(weight)) <= tolerance; }))
+    return {};
+  Track track;
+  track.target = Target::kPartTranslation;
+  const Indices chosen =
+      chooseKeys(times.size(), tolerance, [&](std::size_t t, std::size_t a, std::size_t b) {
+        return std::abs(glm::mix(keyed(a), keyed(b), shareOf(times, t, a, b)) -
+                        static_cast<double>(weights[t]));
+      });
+  for (const std::size_t t : chosen)
+    track.keys.push_back({chosen.size() == 1 ? 0.0f : times[t], glm::vec4(keyed(t), 0, 0, 0), {}, {}});
+  return {std::move(track)};
+}
+
 Trs motionOfTracks(const std::vector<Track>& tracks, double time) {
   Trs out;
   for (const Track& track : tracks) {

@@ -29,6 +29,10 @@ struct KeyedMotion {
 std::vector<RigDescription::Track> chooseTracks(const KeyedMotion& motion, const std::vector<float>& times,
                                                 double tolerance);
 
+// The track of a weight as a translation along x, likewise: none if it stays 0.
+std::vector<RigDescription::Track> chooseWeightTrack(const std::vector<float>& weights,
+                                                     const std::vector<float>& times, double tolerance);
+
 // The motion of these tracks at a time, as the runtime has it.
 Trs motionOfTracks(const std::vector<RigDescription::Track>& tracks, double time);
 

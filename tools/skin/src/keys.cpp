@@ -280,13 +280,6 @@ std::vector<RigDescription::Clip> makeSkinKeys(const SourceSkin& skin, std::size
   std::vector<RigDescription::Clip> clips;
   for (std::vector<RigDescription::Track>& tracks : keys.make(tolerance))
     clips.push_back({skin.clips[clip].name, skin.clips[clip].duration, {}, std::move(tracks)});
-  // A clip that leaves everything as it is at rest still is a clip.
-  if (std::all_of(clips.begin(), clips.end(), [](const auto& its) { return its.tracks.empty(); })) {
-    RigDescription::Track track;
-    track.target = Target::kPartRotation;
-    track.keys.push_back({0, glm::vec4(0, 0, 0, 1), {}, {}});
-    clips.front().tracks.push_back(std::move(track));
-  }
   return clips;
 }
 

@@ -18,4 +18,7 @@ std::vector<double> evenTimes(const SourceSkin::Clip& clip, int count);
 // parent joint are linear.
 std::vector<glm::dmat4x3> motionsAt(const SourceSkin& skin, std::uint32_t clip, double time);
 
+// The weights of all morph targets, likewise.
+std::vector<double> weightsAt(const SourceSkin& skin, std::uint32_t clip, double time);
+
 }  // namespace kelp::bake

@@ -15,13 +15,16 @@ using Weighted = SkinSamples::Weighted;
 
 struct SampledTriangle {
   std::array<glm::dvec3, 3> corners;  // voxels
+  glm::dvec3 normal{0};
   double area = 0, longest = 0;
 
   SampledTriangle(const TriangleSoup& soup, std::size_t t, const Frame& frame) {
     for (std::size_t c = 0; c < 3; ++c)
       corners[c] = glm::dvec3(frame.node_to_voxel *
                               glm::dvec4(glm::dvec3(soup.positions[soup.triangles[t].vertex[c]]), 1));
-    area = 0.5 * glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+    const glm::dvec3 across = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    area = 0.5 * glm::length(across);
+    if (area > 0) normal = across / (2 * area);
     for (std::size_t c = 0; c < 3; ++c)
       longest = std::max(longest, glm::distance(corners[c], corners[(c + 1) % 3]));
   }
@@ -32,8 +35,20 @@ struct SampledTriangle {
   }
 };
 
-// Adds a share of a vertex to a sample's list.
-void addVertex(const SourceSkin& skin, std::uint32_t vertex, double share, std::vector<Weighted>& list) {
+glm::ivec3 voxelIn(const glm::ivec3& size, const glm::dvec3& at) {
+  return glm::ivec3(glm::clamp(glm::floor(at), glm::dvec3(0), glm::dvec3(size - 1)));
+}
+
+}  // namespace
+
+std::uint32_t SkinSamples::heaviestJoint(std::size_t i) const {
+  const std::span<const Weighted> all = weights(i);
+  return std::max_element(all.begin(), all.end(),
+                          [](const Weighted& a, const Weighted& b) { return a.weight < b.weight; })
+      ->joint;
+}
+
+void addWeights(const SourceSkin& skin, std::uint32_t vertex, double share, std::vector<Weighted>& list) {
   double sum = 0;  // weights are floats: their sum differs from one by rounding
   for (std::uint32_t i = skin.first_influence[vertex]; i < skin.first_influence[vertex + 1]; ++i)
     sum += static_cast<double>(skin.influences[i].weight);
@@ -47,19 +62,6 @@ void addVertex(const SourceSkin& skin, std::uint32_t vertex, double share, std::
     else
       same->weight += weight;
   }
-}
-
-glm::ivec3 voxelIn(const glm::ivec3& size, const glm::dvec3& at) {
-  return glm::ivec3(glm::clamp(glm::floor(at), glm::dvec3(0), glm::dvec3(size - 1)));
-}
-
-}  // namespace
-
-std::uint32_t SkinSamples::heaviestJoint(std::size_t i) const {
-  const std::span<const Weighted> all = weights(i);
-  return std::max_element(all.begin(), all.end(),
-                          [](const Weighted& a, const Weighted& b) { return a.weight < b.weight; })
-      ->joint;
 }
 
 SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame, double edge,
@@ -88,18 +90,21 @@ SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const F
         waiting += 2 * triangle.area / (static_cast<double>(cuts) * (cuts + 1));
         if (!(waiting > least) && t + 1 < soup.triangles.size()) continue;
         const double u = (i + inside.x) / cuts, v = (j + inside.y) / cuts;
-        const double shares[3] = {1 - u - v, u, v};
+        const glm::dvec3 shares(1 - u - v, u, v);
         glm::dvec3 at(0);
         list.clear();
-        for (std::size_t c = 0; c < 3; ++c) {
-          at += shares[c] * triangle.corners[c];
-          addVertex(skin, soup.skinned[t][c], shares[c], list);
+        for (int c = 0; c < 3; ++c) {
+          const auto corner = static_cast<std::size_t>(c);
+          at += shares[c] * triangle.corners[corner];
+          addWeights(skin, soup.skinned[t][corner], shares[c], list);
         }
         std::sort(list.begin(), list.end(),
                   [](const Weighted& a, const Weighted& b) { return a.joint < b.joint; });
         samples.positions.push_back(at);
+        samples.normals.push_back(triangle.normal);
         samples.areas.push_back(std::max(waiting, std::numeric_limits<double>::min()));
         samples.triangles.push_back(static_cast<std::uint32_t>(t));
+        samples.shares.push_back(shares);
         samples.weighted.insert(samples.weighted.end(), list.begin(), list.end());
         samples.first_weighted.push_back(samples.weighted.size());
         waiting = 0;
@@ -107,6 +112,22 @@ SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const F
     }
   }
   return samples;
+}
+
+std::vector<Offset> offsetsOf(const SourceSkin::Morph& morph, const SkinSamples& samples,
+                              const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame) {
+  std::vector<glm::dvec3> of_vertices(skin.first_influence.size() - 1, glm::dvec3(0));
+  for (std::size_t i = 0; i < morph.vertices.size(); ++i)
+    of_vertices[morph.vertices[i]] = glm::dmat3(frame.node_to_voxel) * glm::dvec3(morph.offsets[i]);
+  std::vector<Offset> offsets;
+  for (std::uint32_t s = 0; s < samples.size(); ++s) {
+    glm::dvec3 by(0);
+    for (int c = 0; c < 3; ++c)
+      by +=
+          samples.shares[s][c] * of_vertices[soup.skinned[samples.triangles[s]][static_cast<std::size_t>(c)]];
+    if (by != glm::dvec3(0)) offsets.push_back({s, by});
+  }
+  return offsets;
 }
 
 SampleFinder::SampleFinder(const SkinSamples& samples, const glm::ivec3& size)

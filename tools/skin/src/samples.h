@@ -23,10 +23,13 @@ struct SkinSamples {
     double weight = 0;  // above 0; those of a sample sum to 1
   };
   std::vector<glm::dvec3> positions;        // in the bind pose
+  std::vector<glm::dvec3> normals;          // of their triangles; 0: it has no area
   std::vector<double> areas;                // above 0
   std::vector<std::uint32_t> triangles;     // of the soup
+  std::vector<glm::dvec3> shares;           // of its corners
   std::vector<std::size_t> first_weighted;  // of each sample, and the end
   std::vector<Weighted> weighted;           // of a sample: each joint once, ascending
+  std::vector<double> slopes;               // of each of these: slopesUnder(); may be empty: 0
   double spacing = 0;                       // voxels between neighbors, at most
 
   std::size_t size() const { return positions.size(); }
@@ -40,6 +43,18 @@ struct SkinSamples {
 // than about `most` samples. One sample lies in each, where `inside` says: its coordinates along two edges.
 SkinSamples sampleSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame, double edge,
                        const glm::dvec2& inside, std::size_t most);
+
+// Adds a share of a vertex's weights to a list.
+void addWeights(const SourceSkin& skin, std::uint32_t vertex, double share,
+                std::vector<SkinSamples::Weighted>& list);
+
+// Where a morph target moves samples, or nodes, if its weight is 1; ascending.
+struct Offset {
+  std::uint32_t index = 0;
+  glm::dvec3 by{0};  // voxels
+};
+std::vector<Offset> offsetsOf(const SourceSkin::Morph& morph, const SkinSamples& samples,
+                              const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame);
 
 // Finds samples by the voxels that they are in.
 class SampleFinder {

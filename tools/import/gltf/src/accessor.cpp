@@ -207,6 +207,17 @@ GltfValues readValues(const GltfModel& model, int index, const std::string& user
   return out;
 }
 
+GltfValues readSized(const GltfModel& model, int accessor, int least, int most, std::size_t count,
+                     const std::string& place, const char* name, bool fractions) {
+  GltfValues values = readValues(model, accessor, place + "." + name, fractions);
+  if (values.components < least || values.components > most)
+    model.refuse(place, std::string(name) + " has the wrong number of components");
+  if (values.count != count)
+    model.refuse(place, std::string(name) + " has " + std::to_string(values.count) + " values for " +
+                            std::to_string(count) + " vertices");
+  return values;
+}
+
 bool isDraco(const GltfModel& model, int accessor) { return model.draco_steps.contains(accessor); }
 
 float stepOf(const GltfModel& model, int index) {

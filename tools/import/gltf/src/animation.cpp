@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "gltf_model.h"
+#include "skins.h"
 
 namespace kelp::bake {
 namespace {
@@ -104,7 +105,6 @@ std::optional<GltfChannel> readChannel(const GltfModel& model, const tinygltf::A
 
 std::optional<GltfMorphChannel> readMorphChannel(const GltfModel& model, const tinygltf::Animation& animation,
                                                  const tinygltf::AnimationChannel& source,
-                                                 const std::vector<std::size_t>& targets,
                                                  const std::string& place) {
   if (source.target_path != "weights" || source.target_node < 0 ||
       source.target_node >= static_cast<int>(model.data.nodes.size()))
@@ -113,7 +113,7 @@ std::optional<GltfMorphChannel> readMorphChannel(const GltfModel& model, const t
   channel.node = source.target_node;
   const int mesh = model.node(channel.node).mesh;
   if (mesh < 0) return std::nullopt;
-  channel.targets = targets[static_cast<std::size_t>(mesh)];
+  channel.targets = targetCount(model.data.meshes[static_cast<std::size_t>(mesh)]);
   const Sampled sampled = readSampler(model, animation, source.sampler, place);
   channel.interpolation = sampled.interpolation;
   const std::size_t width = channel.targets;
@@ -150,6 +150,7 @@ void tellApart(std::vector<GltfAnimation>& animations) {
     std::vector<MotionNames::Target> targets;
     for (const GltfChannel& channel : animation.channels)
       targets.emplace_back(channel.node, static_cast<int>(channel.path));
+    for (const GltfMorphChannel& channel : animation.morphs) targets.emplace_back(channel.node, -1);
     animation.name = names.take(animation.name, targets);
   }
 }
@@ -210,13 +211,6 @@ GltfChannelIndex indexChannels(const std::vector<GltfAnimation>& animations) {
 
 std::vector<GltfAnimation> readAnimations(const GltfModel& model) {
   std::vector<GltfAnimation> out;
-  std::vector<std::size_t> targets;  // of each mesh, the most that a primitive has
-  for (const tinygltf::Mesh& mesh : model.data.meshes) {
-    std::size_t most = 0;
-    for (const tinygltf::Primitive& primitive : mesh.primitives)
-      most = std::max(most, primitive.targets.size());
-    targets.push_back(most);
-  }
   for (std::size_t a = 0; a < model.data.animations.size(); ++a) {
     const tinygltf::Animation& source = model.data.animations[a];
     GltfAnimation animation;
@@ -227,7 +221,7 @@ std::vector<GltfAnimation> readAnimations(const GltfModel& model) {
         animation.duration = std::max(animation.duration, channel->times.back());
         animation.channels.push_back(*std::move(channel));
       } else if (std::optional<GltfMorphChannel> morph =
-                     readMorphChannel(model, source, source.channels[c], targets, place)) {
+                     readMorphChannel(model, source, source.channels[c], place)) {
         animation.duration = std::max(animation.duration, morph->times.back());
         animation.morphs.push_back(*std::move(morph));
       }

@@ -25,17 +25,6 @@ int attributeOf(const tinygltf::Primitive& primitive, const std::string& name) {
   return found == primitive.attributes.end() ? -1 : found->second;
 }
 
-GltfValues readSized(const GltfModel& model, int accessor, int least, int most, std::size_t count,
-                     const std::string& place, const char* name, bool fractions = false) {
-  GltfValues values = readValues(model, accessor, place + "." + name, fractions);
-  if (values.components < least || values.components > most)
-    model.refuse(place, std::string(name) + " has the wrong number of components");
-  if (values.count != count)
-    model.refuse(place, std::string(name) + " has " + std::to_string(values.count) + " values for " +
-                            std::to_string(count) + " vertices");
-  return values;
-}
-
 // The joint matrices of a skin at rest, world <- mesh. Section 3.7.3 of the specification.
 std::vector<glm::dmat4> jointMatrices(const GltfModel& model, int skin) {
   std::vector<glm::dmat4> matrices = inverseBindMatrices(model, skin);
@@ -113,7 +102,10 @@ class PrimitiveReader {
       soup.roundedTo(step * scale_);
 
     const std::uint32_t first_vertex = skins_ ? skins_->vertices() : 0;
-    if (skins_) addVertices(primitive, count, place);
+    if (skins_) {
+      addVertices(primitive, count, place);
+      skins_->addOffsets(primitive, count, glm::dmat3(to_part_), place);
+    }
 
     SoupBuilder::Triangle triangle;
     if (primitive.material >= static_cast<int>(model_.data.materials.size()))
@@ -296,17 +288,11 @@ class PrimitiveReader {
 
   void applyMorph(const tinygltf::Primitive& primitive, const std::string& place,
                   std::vector<glm::dvec3>& positions) const {
-    const std::vector<double>& weights =
-        node_.weights.empty() ? model_.data.meshes[static_cast<std::size_t>(node_.mesh)].weights
-                              : node_.weights;
+    const std::vector<double>& weights = restingWeights(model_, index_);
     for (std::size_t target = 0; target < primitive.targets.size() && target < weights.size(); ++target) {
-      const auto found = primitive.targets[target].find("POSITION");
-      if (weights[target] == 0 || found == primitive.targets[target].end()) continue;
-      const GltfValues delta =
-          readSized(model_, found->second, 3, 3, positions.size(), place, "morph target");
-      model_.countRead(positions.size(), place);
-      for (std::size_t i = 0; i < positions.size(); ++i)
-        positions[i] += weights[target] * glm::dvec3(delta.at(i, 0), delta.at(i, 1), delta.at(i, 2));
+      if (weights[target] == 0) continue;
+      const std::vector<glm::dvec3> by = readTarget(model_, primitive, target, positions.size(), place);
+      for (std::size_t i = 0; i < by.size(); ++i) positions[i] += weights[target] * by[i];
     }
   }
 

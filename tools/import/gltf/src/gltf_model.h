@@ -110,6 +110,9 @@ struct GltfValues {
 };
 // With `fractions`, integers are normalized even if the file does not say so.
 GltfValues readValues(const GltfModel& model, int accessor, const std::string& user, bool fractions = false);
+// The same of an attribute of a mesh: `least` to `most` components, `count` values.
+GltfValues readSized(const GltfModel& model, int accessor, int least, int most, std::size_t count,
+                     const std::string& place, const char* name, bool fractions = false);
 // The distance between two neighboring values of an accessor, to which a compressor rounded. 0: floats that
 // were not rounded.
 float stepOf(const GltfModel& model, int accessor);

@@ -269,7 +269,7 @@ void noteUnusedMotion(const GltfModel& model, const std::vector<GltfAnimation>& 
     for (auto* below : {&places, &bends})
       if ((*below)[static_cast<std::size_t>(*node)]) (*below)[static_cast<std::size_t>(parent)] = true;
   }
-  std::vector<std::string> moving, shaping, morphing;
+  std::vector<std::string> moving, shaping;
   for (std::size_t a = 0; a < animations.size(); ++a) {
     bool nodes = false, shapes = false;
     for (std::size_t c = 0; c < animations[a].channels.size(); ++c) {
@@ -281,7 +281,6 @@ void noteUnusedMotion(const GltfModel& model, const std::vector<GltfAnimation>& 
     }
     if (nodes) moving.push_back(animations[a].name);
     if (shapes) shaping.push_back(animations[a].name);
-    if (!animations[a].morphs.empty()) morphing.push_back(animations[a].name);
   }
   const auto list = [](const std::vector<std::string>& names) {
     std::string text = names.size() == 1 ? "animation " : "animations ";
@@ -300,11 +299,6 @@ void noteUnusedMotion(const GltfModel& model, const std::vector<GltfAnimation>& 
                " shapes by skins, of which clips are made only without another rig and without --parts; they "
                "are baked at rest, or at a moment with --at '" +
                shaping.front() + ":SECONDS'");
-  if (!morphing.empty())
-    model.note(list(morphing) + " change" + s(morphing) +
-               " shapes by morph targets, which no clip can hold; they are baked at rest, or at a moment "
-               "with --at '" +
-               morphing.front() + ":SECONDS'");
 }
 
 }  // namespace kelp::bake

@@ -65,25 +65,27 @@ class GltfImporter {
   }
 
  private:
-  // True if the outer rig moves joints by itself.
-  bool rigsJoints() const {
-    if (!out_.outer) return false;
-    for (const tinygltf::Skin& skin : model_.data.skins)
-      for (const int joint : skin.joints)
-        if (joint >= 0 && joint < static_cast<int>(model_.data.nodes.size()) &&
-            out_.outer->file.find(oneLine(model_.node(joint).name, 80)))
-          return true;
-    return false;
+  bool hasOtherRig() const {
+    if (whole_ || settings_.parts != Parts::kOne) return true;
+    const std::vector<PartPlan> plans = planByRigs(model_, false);
+    return plans.size() != 1 || plans[0].rig || !plans[0].knots.empty();
   }
 
-  // True if the file's skins are its rig: asked for, or the file has no other.
+  // True if the file's skins and morph targets are its rig: asked for, or the file has no other.
   bool bendsBySkin() const {
-    const bool asked = settings_.rig_preset == kSkinRig, skins = hasSkins(model_);
+    const bool asked = settings_.rig_preset == kSkinRig, morphs = hasMorphs(model_),
+               skins = morphs || hasSkins(model_);
     if (!asked) {
-      if (!skins || whole_ || settings_.at || settings_.parts != Parts::kOne) return false;
-      const std::vector<PartPlan> plans = planByRigs(model_, false);
-      if (plans.size() != 1 || plans[0].rig || !plans[0].knots.empty()) return false;
-      if (movesJoints(model_, animations_) || rigsJoints()) return true;
+      if (!skins || settings_.at) return false;
+      if (hasOtherRig()) {
+        if (morphs)
+          model_.note(
+              "has morph targets, which are parts only without another rig and without --parts: its meshes "
+              "are baked as they rest, or, with --at CLIP:SECONDS, as they are at a moment");
+        return false;
+      }
+      if (morphs || movesJoints(model_, animations_) || (out_.outer && rigsJoints(model_, out_.outer->file)))
+        return true;
       if (!animations_.empty())
         model_.note(
             "no animation moves the joints of its skin: it is baked at rest, as one part; --rig skin makes "
@@ -91,8 +93,9 @@ class GltfImporter {
       return false;
     }
     if (!skins)
-      throw ToolError(Exit::kUsage, "--rig skin: " + files_.input().filename().string() +
-                                        " has no mesh that bends by joints; leave --rig out");
+      throw ToolError(Exit::kUsage,
+                      "--rig skin: " + files_.input().filename().string() +
+                          " has no mesh that bends by joints or morph targets; leave --rig out");
     if (settings_.at || settings_.parts != Parts::kOne)
       throw ToolError(Exit::kUsage, std::string("--rig skin: ") +
                                         (settings_.at ? "--at bakes one moment of the skin"

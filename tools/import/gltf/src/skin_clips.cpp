@@ -16,15 +16,18 @@ constexpr double kMostSamples = 20000;
 // How long a step takes, seconds: motions are linear between samples.
 constexpr float kStepTime = 1e-4f;
 
-// The times at which motions are sampled: those of all keys, enough between them, and just before a step.
-std::vector<float> sampleTimes(const std::vector<const GltfChannel*>& channels, double rate) {
-  std::set<float> times{0};
-  for (const GltfChannel* channel : channels) {
+// Adds the times of a channel's keys, and those just before a step.
+template <class Channel>
+void addTimes(const std::vector<const Channel*>& channels, std::set<float>& times) {
+  for (const Channel* channel : channels)
     for (const float time : channel->times) {
       times.insert(time);
       if (channel->interpolation == Interpolation::kStep && time > kStepTime) times.insert(time - kStepTime);
     }
-  }
+}
+
+// The times at which motions are sampled: `times`, and enough between them.
+std::vector<float> sampleTimes(std::set<float> times, double rate) {
   const double last = *times.rbegin();
   const double samples = std::min(std::ceil(last * rate), kMostSamples);
   for (double i = 1; i < samples; ++i) times.insert(static_cast<float>(last * i / samples));
@@ -59,6 +62,8 @@ SourceSkin GltfSkins::take(const glm::dmat4& space, std::vector<std::vector<bool
       if (!reaches[static_cast<std::size_t>(animations_[a].channels[c].node)]) continue;
       used[a][c] = concerned = true;
     }
+    for (const GltfMorphChannel& channel : animations_[a].morphs)
+      concerned = concerned || first_morph_.contains(channel.node);
     if (!concerned) continue;
     std::vector<std::size_t>& list = by_name[animations_[a].name];
     if (list.empty()) names.push_back(animations_[a].name);
@@ -69,6 +74,7 @@ SourceSkin GltfSkins::take(const glm::dmat4& space, std::vector<std::vector<bool
   for (std::size_t j = 0; j < nodes_.size(); ++j) skin_.joints[j].inverse_bind = from_world_[j] * space;
   for (std::size_t j = 0; j < nodes_.size(); ++j) chains_.push_back(chainOf(j, back));
   for (const std::string& name : names) addClip(name, by_name[name], reaches);
+  joinMorphs();
   return std::move(skin_);
 }
 
@@ -107,9 +113,10 @@ GltfSkins::Chain GltfSkins::chainOf(std::size_t joint, const glm::dmat4& from_wo
 
 void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>& members,
                         const std::vector<bool>& reaches) {
-  SourceSkin::Clip clip{name, 0, {}, {}, {}};
+  SourceSkin::Clip clip{name, 0, {}, {}, {}, {}};
   bool fine = std::any_of(chains_.begin(), chains_.end(), [](const Chain& chain) { return chain.several; });
   std::vector<const GltfChannel*> channels;
+  std::vector<const GltfMorphChannel*> morphs;
   for (const std::size_t a : members) {
     clip.duration = std::max(clip.duration, animations_[a].duration);
     for (const GltfChannel& channel : animations_[a].channels) {
@@ -117,12 +124,22 @@ void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>&
       channels.push_back(&channel);
       fine = fine || channel.interpolation == Interpolation::kCubic;
     }
+    for (const GltfMorphChannel& channel : animations_[a].morphs) {
+      if (!first_morph_.contains(channel.node)) continue;
+      morphs.push_back(&channel);
+      fine = fine || channel.interpolation == Interpolation::kCubic;
+    }
   }
   if (!(clip.duration > 0)) clip.duration = 1;  // a pose of one key lasts a second
-  clip.times = sampleTimes(channels, fine ? kFineRate : kPoseRate);
+  std::set<float> keys{0};
+  addTimes(channels, keys);
+  addTimes(morphs, keys);
+  clip.times = sampleTimes(std::move(keys), fine ? kFineRate : kPoseRate);
   const std::string place = "animation '" + name + "'";
-  model_.countRead(clip.times.size() * (model_.placed.size() + channels.size()), place);
-  model_.budget->take(clip.times.size() * nodes_.size() * (sizeof(glm::dmat4x3) + sizeof(glm::dquat)), place);
+  model_.countRead(clip.times.size() * (model_.placed.size() + channels.size() + skin_.morphs.size()), place);
+  model_.budget->take(clip.times.size() * (nodes_.size() * (sizeof(glm::dmat4x3) + sizeof(glm::dquat)) +
+                                           skin_.morphs.size() * sizeof(float)),
+                      place);
 
   std::vector<GltfTransform> rest;
   for (const tinygltf::Node& node : model_.data.nodes) rest.push_back(restTransform(node));
@@ -141,6 +158,7 @@ void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>&
       for (const int node : chains_[j].moving) turn = turn * posed[at(node)].rotation;
       clip.turns.push_back(turn);
     }
+    addWeights(morphs, static_cast<double>(clip.times[t]), clip.weights);
     const std::vector<glm::dmat4x3> motions = skin_.motionsAt(clip, t);
     for (std::size_t j = 0; j < nodes_.size(); ++j)
       if (!isFinite(glm::dmat4(motions[j])))

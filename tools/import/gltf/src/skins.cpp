@@ -54,6 +54,15 @@ bool hasSkins(const GltfModel& model) {
   });
 }
 
+bool rigsJoints(const GltfModel& model, const RigFile& rig) {
+  for (const tinygltf::Skin& skin : model.data.skins)
+    for (const int joint : skin.joints)
+      if (joint >= 0 && joint < static_cast<int>(model.data.nodes.size()) &&
+          rig.find(oneLine(model.node(joint).name, 80)))
+        return true;
+  return false;
+}
+
 bool movesJoints(const GltfModel& model, const std::vector<GltfAnimation>& animations) {
   // The joints and all nodes above them.
   std::vector<bool> reaches(model.data.nodes.size(), false);
@@ -120,6 +129,8 @@ GltfSkins::GltfSkins(const GltfModel& model, const std::vector<GltfAnimation>& a
     if (model.node(node).mesh >= 0 && hasJoints(node)) addSkinned(node);
   for (const int node : model.order)
     if (model.node(node).mesh >= 0 && !hasJoints(node)) meshes_[node] = rigid(node);
+  for (const int node : model.order)
+    if (model.node(node).mesh >= 0) addTargets(node);
   for (const auto& [node, name] : sockets) {
     const Mesh socket = rigid(node);
     if (!isRegular(socket.place) || !isFinite(socket.place)) {
@@ -197,8 +208,11 @@ GltfSkins::Mesh GltfSkins::rigid(int node) {
     if (isRegular(to_joint)) bind = glm::inverse(to_joint);
     break;
   }
-  int mover = node;  // the mesh itself, or, of a flat one, the nearest above that has a motion
-  while (mover >= 0 && !isRegular(worldOf(mover))) mover = parentOf(mover);
+  // The mesh itself; of a flat one, the nearest above that has a motion. So it is without skins, where most
+  // nodes stand still.
+  int mover = node;
+  while (mover >= 0 && (!isRegular(worldOf(mover)) || (skins_.empty() && !moved_[at(mover)])))
+    mover = parentOf(mover);
   Mesh mesh;
   mesh.place = bind * worldOf(node);
   mesh.joints.push_back(jointOf(mover, mover < 0 ? glm::dmat4(1) : glm::inverse(bind * worldOf(mover))));

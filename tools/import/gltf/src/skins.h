@@ -23,8 +23,21 @@ bool isFinite(const glm::dmat4& m);
 // True if a mesh of the scene has a skin.
 bool hasSkins(const GltfModel& model);
 
+// True if the rig has one for a joint by its name.
+bool rigsJoints(const GltfModel& model, const RigFile& rig);
 // True if an animation moves a joint of a skin of the scene.
 bool movesJoints(const GltfModel& model, const std::vector<GltfAnimation>& animations);
+
+// --- morphs.cpp: morph targets -----------------------------------------------------------------------------
+// The most that a primitive of a mesh has.
+std::size_t targetCount(const tinygltf::Mesh& mesh);
+// The weights at rest of a node that has a mesh; there may be more or fewer than targets.
+const std::vector<double>& restingWeights(const GltfModel& model, int node);
+// How far a target moves each of `count` vertices; none: it has no positions.
+std::vector<glm::dvec3> readTarget(const GltfModel& model, const tinygltf::Primitive& primitive,
+                                   std::size_t target, std::size_t count, const std::string& place);
+// True if a morph target moves vertices of the scene.
+bool hasMorphs(const GltfModel& model);
 
 // The joint matrices of a skin, its mesh's space to each joint's.
 std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int skin);
@@ -44,6 +57,9 @@ class GltfSkins {
   std::uint32_t vertices() const { return static_cast<std::uint32_t>(skin_.first_influence.size()); }
   void beginVertex(int node);
   void addInfluence(std::size_t joint, double weight);
+  // Where morph targets move the last vertices: those of a primitive. to_space: from the mesh's to take()'s.
+  void addOffsets(const tinygltf::Primitive& primitive, std::size_t count, const glm::dmat3& to_space,
+                  const std::string& place);
 
   // Ends the vertices. Returns the skin with all clips, in `space` (of the world); marks the channels that
   // move joints.
@@ -71,6 +87,11 @@ class GltfSkins {
   void hangJoints(const std::vector<std::uint32_t>& place);
   Chain chainOf(std::size_t joint, const glm::dmat4& from_world);
   void endVertex();
+  void addTargets(int node);
+  // Appends the weights of all morph targets at a time.
+  void addWeights(const std::vector<const GltfMorphChannel*>& channels, double time,
+                  std::vector<float>& to) const;
+  void joinMorphs();
   void addClip(const std::string& name, const std::vector<std::size_t>& members,
                const std::vector<bool>& reaches);
 
@@ -82,8 +103,10 @@ class GltfSkins {
   std::map<int, Mesh> skins_;   // by skin
   std::vector<Mesh> sockets_;   // of skin_.sockets
   SourceSkin skin_;
-  std::vector<int> nodes_;              // of each joint; -1: stands still
-  std::vector<glm::dmat4> from_world_;  // of each joint: its node's space <- the world in the bind pose
+  std::map<int, std::size_t> first_morph_;  // of nodes whose meshes have morph targets
+  std::vector<double> rests_;               // of each morph target: its weight at rest
+  std::vector<int> nodes_;                  // of each joint; -1: stands still
+  std::vector<glm::dmat4> from_world_;      // of each joint: its node's space <- the world in the bind pose
   std::multimap<int, std::uint32_t>
       of_node_;                // the joints of a node: one, but where skins bind it differently
   std::vector<Chain> chains_;  // of each joint

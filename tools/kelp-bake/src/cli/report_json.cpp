@@ -38,6 +38,11 @@ OrderedJson diagnosisJson(const bake::EdgeCounts& diagnosis) {
           {"holes", diagnosis.holes}};
 }
 
+OrderedJson fitJson(const bake::Report::Fit& fit) {
+  if (fit.joint.empty()) return {};
+  return {{"mean", fit.mean}, {"p95", fit.p95}, {"max", fit.max}, {"joint", fit.joint}};
+}
+
 OrderedJson partJson(const bake::Report::Part& part) {
   OrderedJson json{{"name", part.name},
                    {"parent", part.parent.empty() ? OrderedJson() : OrderedJson(part.parent)},
@@ -80,12 +85,8 @@ OrderedJson partJson(const bake::Report::Part& part) {
         {{"triangles", c.triangles}, {"surface_share", c.surface_share}, {"solid", c.solid}, {"why", c.why}});
     json["components"].back().update(diagnosisJson(c.diagnosis));
   }
+  json["fit"] = fitJson(part.fit);
   return json;
-}
-
-OrderedJson fitJson(const bake::Report::Fit& fit) {
-  if (fit.joint.empty()) return {};
-  return {{"mean", fit.mean}, {"p95", fit.p95}, {"max", fit.max}, {"joint", fit.joint}};
 }
 
 OrderedJson filesJson(const bake::FilesUsed& used) {

@@ -35,12 +35,12 @@ auto fieldsOf(bake::ComponentReport& c) {
 auto fieldsOf(bake::FilesUsed::File& f) { return std::tie(f.path, f.xxh3); }
 auto fieldsOf(bake::FilesUsed& f) { return std::tie(f.read, f.missing); }
 auto fieldsOf(Report::Stage& s) { return std::tie(s.name, s.seconds, s.peak_bytes); }
+auto fieldsOf(Report::Fit& f) { return std::tie(f.mean, f.p95, f.max, f.joint); }
 auto fieldsOf(Report::Part& p) {
   return std::tie(p.name, p.rig_origin, p.fill, p.size, p.voxel_size, p.triangles, p.solid_voxels,
                   p.surface_voxels, p.bricks, p.fog, p.fog_voxels, p.closed, p.empty, p.mesh, p.repairs,
-                  p.parent, p.parent_at, p.swept, p.caged, p.cell, p.roll, p.sockets, p.components);
+                  p.parent, p.parent_at, p.swept, p.caged, p.cell, p.roll, p.sockets, p.components, p.fit);
 }
-auto fieldsOf(Report::Fit& f) { return std::tie(f.mean, f.p95, f.max, f.joint); }
 auto fieldsOf(Report::Clip& c) {
   return std::tie(c.name, c.part, c.duration, c.leaves_box, c.bends, c.moves, c.fit);
 }

@@ -18,24 +18,29 @@
 namespace kelp::dump {
 namespace {
 
+// {}, [], {"rigs": []}.
+bool isEmpty(const nlohmann::ordered_json& value) {
+  return value.is_structured() && std::all_of(value.begin(), value.end(), isEmpty);
+}
+
 std::string valueText(const nlohmann::ordered_json& value) {
   if (value.is_string()) return nameText(value.get_ref<const std::string&>());
   if (!value.is_object())
     return nameText(value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   std::string text;
   for (const auto& [key, member] : value.items())
-    text += (text.empty() ? "" : ", ") + nameText(key) + " " + valueText(member);
+    if (!isEmpty(member)) text += (text.empty() ? "" : ", ") + nameText(key) + " " + valueText(member);
   return text;
 }
 
-// One line for each member of INFO: "source" and "name reed.glb, format glTF 2.0". INFO should be a JSON
-// object, but need not be: safe for hostile input.
+// One line for each member of INFO that says something: "source" and "name reed.glb, format glTF 2.0". INFO
+// should be a JSON object, but need not be: safe for hostile input.
 std::vector<std::pair<std::string, std::string>> infoLines(std::string_view document) {
   std::vector<std::pair<std::string, std::string>> lines;
   const auto json = parseSafely(document);
   if (!json || !json->is_object()) return lines;
   for (const auto& [key, value] : json->items())
-    lines.emplace_back(nameText(key), nameText(valueText(value), 400));
+    if (!isEmpty(value)) lines.emplace_back(nameText(key), nameText(valueText(value), 400));
   return lines;
 }
 

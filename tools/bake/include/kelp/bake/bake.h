@@ -47,6 +47,12 @@ struct Report {
     double seconds = 0;
     std::uint64_t peak_bytes = 0;  // most memory of one of its processes until this stage ended
   };
+  // How far the cage of a skin is from where its joints and morph targets would draw it, in voxels
+  // (kelp/skin/skin.h).
+  struct Fit {
+    double mean = 0, p95 = 0, max = 0;
+    std::string joint;  // where it is worst; empty: not of a skin
+  };
   struct Part {
     std::string name, rig_origin, fill;
     glm::ivec3 size{0};
@@ -65,11 +71,7 @@ struct Report {
     float roll = 0;  // radians, as in RawRig
     std::vector<std::string> sockets;
     std::vector<ComponentReport> components;  // empty for volumes
-  };
-  // How far the cage of a skin is from where its joints would draw it, in voxels (kelp/skin/skin.h).
-  struct Fit {
-    double mean = 0, p95 = 0, max = 0;
-    std::string joint;  // where it is worst; empty: not a clip of a skin
+    Fit fit;                                  // of a morph target
   };
   struct Clip {
     std::string name, part;

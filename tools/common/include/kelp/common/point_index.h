@@ -2,12 +2,12 @@
 // Numbers of points in a list, found by their coordinates.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <random>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
 namespace kelp {
@@ -32,7 +32,7 @@ class PointIndex {
  private:
   static constexpr std::uint32_t kFree = 0xffffffffu;
 
-  static std::uint64_t bitsOf(float value) { return std::bit_cast<std::uint32_t>(value); }
+  static std::uint64_t bitsOf(float value) { return glm::floatBitsToUint(value); }
   static std::uint64_t bitsOf(std::int64_t value) { return static_cast<std::uint64_t>(value); }
 
   static std::uint64_t hash(const Point& point) {

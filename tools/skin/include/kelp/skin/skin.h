@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From a skin to a cage: a mesh that bends by joints becomes one part whose cage follows the joints, each of
-// which is an empty part.
+// From a skin to a cage: a mesh that bends by joints and morph targets becomes one part whose cage follows
+// them, each of which is an empty part.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct SkinDistances {
 };
 
 struct SkinFit {
-  std::string clip;
+  std::string clip;  // or morph target: its weight is 1, where it or the cage moves the surface
   SkinDistances distances;
   std::string joint;  // that moves the surface most where the distance is greatest
 };
@@ -36,11 +36,20 @@ struct SkinJoint {
   glm::ivec2 grow{0};
 };
 
+// An empty part whose translation along x is the weight of a morph target.
+struct SkinMorph {
+  std::string name;    // as in the file: joints and other morph targets may have it, too
+  RawMorph moves;      // its `part` is not set
+  RigDescription rig;  // a clip for each of the skin's that moves it
+  SkinFit fit;
+};
+
 struct SkinCage {
   int cell = 0;  // side of the finest cells
   std::vector<RawCage> cages;
   std::vector<Influences> influences;  // of the finest cage's nodes; their `parts` are joints
   std::vector<SkinJoint> joints;       // of the skin, all of them
+  std::vector<SkinMorph> morphs;       // those that move a node
   std::vector<SkinFit> fits;           // of each clip
   std::vector<std::string> notices;
 };
@@ -49,14 +58,18 @@ struct SkinCage {
 // that move least, whose vertices and sockets follow the nearest joint above that is kept.
 void limitJoints(SourceSkin& skin, std::size_t most, std::vector<std::string>& notices);
 
+// Takes morph targets away, those that move least, until there are at most `most`. A notice says so.
+void limitMorphs(SourceSkin& skin, std::size_t most, std::vector<std::string>& notices);
+
 // The cage of a soup that bends by joints, and its joints as parts. `whole`: its voxels, which are in
 // `frame`. cell: side of the finest cells, 2, 4, 8 or 16; 0: the largest with which the cage follows the skin
-// in every clip as well as pictures need: 0.3 voxels in the mean, 1 at 95 % of the surface. The same result
-// with any number of threads. ToolError kInterrupted if `progress`, told 0 to 1 in "skin", asks to stop.
+// in every clip, and each morph target, as well as pictures need: 0.3 voxels in the mean, 1 at 95 % of the
+// surface. The same result with any number of threads. ToolError kInterrupted if `progress`, told 0 to 1 in
+// "skin", asks to stop.
 SkinCage cageOfSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame,
                     const VoxelGrid& whole, int cell, int levels, int threads, const Progress& progress);
 
 // Bytes that cageOfSkin needs beside its arguments and its result, for a box of so many voxels.
-double skinBytes(double voxels, std::size_t joints);
+double skinBytes(double voxels, const SourceSkin& skin);
 
 }  // namespace kelp::bake

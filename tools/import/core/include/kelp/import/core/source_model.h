@@ -81,7 +81,8 @@ struct TriangleSoup {
 };
 
 // How a soup bends by joints (linear blend skinning): posed = sum over its influences of weight x motion x
-// position. The soup is in the bind pose, where every motion is the identity.
+// (position + sum over morph targets of weight x offset). The soup is in the bind pose, where every motion is
+// the identity and every weight of a morph target 0.
 struct SourceSkin {
   struct Joint {
     std::string name;
@@ -102,6 +103,13 @@ struct SourceSkin {
     std::vector<float> times;          // strictly ascending, the first 0
     std::vector<glm::dmat4x3> locals;  // for each time, for each joint: its motion within its parent's
     std::vector<glm::dquat> turns;     // likewise: the rotation of its node, which a scale of nothing hides
+    std::vector<float> weights;        // for each time, for each morph target: how far it is from rest
+  };
+  // A morph target: where it moves vertices before joints do, by its weight times the offsets.
+  struct Morph {
+    std::string name;
+    std::vector<std::uint32_t> vertices;  // ascending
+    std::vector<glm::vec3> offsets;       // one for each, in the soup's space
   };
   // A named place that follows a joint.
   struct Socket {
@@ -113,8 +121,11 @@ struct SourceSkin {
   std::vector<Socket> sockets;
   std::vector<std::uint32_t> first_influence;  // of each vertex, and the end
   std::vector<Influence> influences;
+  std::vector<Morph> morphs;
   std::vector<Clip> clips;
 
+  // Leaves only these morph targets, ascending.
+  void keepMorphs(const std::vector<std::size_t>& kept);
   // The motions of all joints, posed <- bind pose in the soup's space, at a time of a clip.
   std::vector<glm::dmat4x3> motionsAt(const Clip& clip, std::size_t time) const;
 };
