@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The CAGE chunk.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+
+#include <glm/common.hpp>
 
 #include "array_reader.h"
 #include "cage_maker.h"
@@ -263,7 +264,7 @@ Result<void> CageTable::readMorphs() {
       const std::span<std::uint32_t> numbers = take(nodes_left, counts[list]);
       sumAscending(numbers);
       const Result<void> r =
-          fillMorph(plan, numbers, std::bit_cast<float>(its_records[2 * m + 1]), its_nodes);
+          fillMorph(plan, numbers, glm::uintBitsToFloat(its_records[2 * m + 1]), its_nodes);
       if (!r) return r;
       its[m] = {of, its_nodes};
     }

@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include <glm/glm.hpp>
+
 #include "layout.h"
 #include "metadata_writer.h"
 #include "record_writer.h"
@@ -173,7 +175,7 @@ void putMorphs(const RawPack& pack, const CageNumbers& numbers, RecordWriter& to
     for (const RawPart& part : pack.parts) {
       for (const RawMorph& morph : part.morphs) {
         put(morph.part);
-        put(std::bit_cast<std::uint32_t>(morph.step));
+        put(glm::floatBitsToUint(morph.step));
       }
     }
   });

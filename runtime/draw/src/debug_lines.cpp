@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "debug_lines.h"
 
-#include <bit>
-
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -70,8 +68,8 @@ std::span<const glm::uvec4> DebugLines::records() const {
 
 void DebugLines::addLine(const glm::vec4& from, const glm::vec4& to, std::uint32_t color) {
   for (const glm::vec4& at : {from, to})
-    points_[count_++] = glm::uvec4(std::bit_cast<std::uint32_t>(at.x), std::bit_cast<std::uint32_t>(at.y),
-                                   color, std::bit_cast<std::uint32_t>(at.w));
+    points_[count_++] =
+        glm::uvec4(glm::floatBitsToUint(at.x), glm::floatBitsToUint(at.y), color, glm::floatBitsToUint(at.w));
 }
 
 void DebugLines::addBox(const RecordHead& part) {

@@ -2,14 +2,15 @@
 #include "record_cage.h"
 
 #include <bit>
+
 #include <cstring>
+#include <glm/common.hpp>
 
 namespace kelp::draw {
 namespace {
 
 glm::uvec4 texelOf(const glm::vec3& v, std::uint32_t more = 0) {
-  return {std::bit_cast<std::uint32_t>(v.x), std::bit_cast<std::uint32_t>(v.y),
-          std::bit_cast<std::uint32_t>(v.z), more};
+  return {glm::floatBitsToUint(v.x), glm::floatBitsToUint(v.y), glm::floatBitsToUint(v.z), more};
 }
 
 }  // namespace

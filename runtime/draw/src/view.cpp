@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "detail.h"
+#include "kelp/cages/posed_cage.h"
 #include "placing.h"
 #include "record_spline.h"
 

@@ -132,7 +132,7 @@ std::uint64_t PoseCages::placedFor(const Pose& pose, int part) {
   const NodesInPose& nodes = *of(pose, part);
   if (nodes.followsParts() || (nodes.sections >= 0 && !nodes.written)) return stateOf(pose);
   if (nodes.written || const_cast<Pose&>(pose).shapes()[part].bend != Bend::kSweep) return 0;
-  return std::bit_cast<std::uint32_t>(pose.motion(part)->roll);
+  return glm::floatBitsToUint(pose.motion(part)->roll);
 }
 
 std::uint64_t PoseCages::madeFor(const Pose& pose, int part) {
