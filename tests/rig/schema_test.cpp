@@ -43,7 +43,7 @@ TEST(RigSchema, AcceptsTheExamplesOfItsPage) {
     }
     ++examples;
   }
-  EXPECT_EQ(examples, 7);
+  EXPECT_EQ(examples, 8);
 }
 
 TEST(RigSchema, AgreesWithTheParser) {
@@ -54,6 +54,8 @@ TEST(RigSchema, AgreesWithTheParser) {
       R"({"kelp": 1, "parts": {"a": {}, "b c": {"kelp": 1, "bend": "sweep", "roll": 1}}})",
       R"({"kelp": 1, "bend": "cage", "cell": 16})",
       R"({"kelp": 1, "parts": {"a": {"bend": "cage", "cell": 2, "roll": 9}}})",
+      R"({"kelp": 1, "cell": 4, "sides": {"-x-z": {}, "+x+y": {"knots": [{"at": 0}, {"at": 1}]}}})",
+      R"({"kelp": 1, "parts": {"a": {"bend": "cage", "cell": 4, "sides": {"+y-z": {}}}}})",
   };
   for (const char* text : kTakenByBoth) {
     EXPECT_TRUE(parses(text)) << text;
@@ -83,6 +85,15 @@ TEST(RigSchema, AgreesWithTheParser) {
       R"({"kelp": 1, "bend": "cage", "cell": 1})",
       R"({"kelp": 1, "parts": {"a": {"bend": "shear", "cell": 8}}})",
       R"({"kelp": 1, "parts": {"a": {}}, "bend": "cage", "cell": 8})",
+      R"({"kelp": 1, "sides": {}})",
+      R"({"kelp": 1, "sides": {"+x": {}}})",
+      R"({"kelp": 1, "sides": {"+x-z": {"axis": "+y"}}})",
+      R"({"kelp": 1, "sides": {"+x-z": {"knots": [{"at": 0}]}}})",
+      R"({"kelp": 1, "bend": "sweep", "sides": {"+x-z": {}}})",
+      R"({"kelp": 1, "bend": "cage", "roll": 1, "sides": {"+x-z": {}}})",
+      R"({"kelp": 1, "bend": "shear", "cell": 8, "sides": {"+x-z": {}}})",
+      R"({"kelp": 1, "parts": {"a": {"roll": 1, "sides": {"+x-z": {}}}}})",
+      R"({"kelp": 1, "parts": {"a": {}}, "sides": {"+x-z": {}}})",
       R"({"kelp": 1, "skin": {}})",
       R"({"kelp": 1, "skin": {"parts": [{"joints": ["a"]}]}})",
       R"({"kelp": 1, "parts": {}})",

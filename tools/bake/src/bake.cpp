@@ -64,6 +64,7 @@ struct Job {
   std::vector<Frame> frames{};            // of meshes, padded
   std::vector<const VoxelGrid*> grids{};  // of the parts that are solid, in their order
   Palette palette{};
+  Sides sides{};
   RawPack pack{};
 
   // The progress of one part, as a share of the stage's.
@@ -128,18 +129,7 @@ void importModel(Job& job) {
     limitSkin(job.model, report);
   else
     requireRiggedParts(job.model, settings, job.input);
-  for (SourcePart& part : job.model.parts) {
-    if (part.skin) {  // its nodes follow joints
-      part.rig.bend = Bend::kShear;
-      part.rig.caged = true;
-    }
-    if (part.rig.bend) continue;
-    part.rig.bend = part.fog ? Bend::kShear : settings.bend.value_or(kDefaultBend);
-    part.rig.caged = !part.fog && settings.caged;
-  }
-  for (const SourcePart& part : job.model.parts)
-    if (part.parent >= 0 && part.rig.parent_at != Part::kNotOnSpline)
-      job.model.parts[static_cast<std::size_t>(part.parent)].carries = true;
+  chooseBends(job.model, settings);
   job.volume = isVolume(job.model);
 }
 
@@ -173,6 +163,7 @@ void checkMemory(Job& job) {
 }
 
 void layParts(Job& job) {
+  job.sides = addSides(job.model, job.frames, job.input);
   job.pack.parts.clear();
   for (std::size_t i = 0; i < job.model.parts.size(); ++i) {
     const SourcePart& part = job.model.parts[i];
@@ -372,7 +363,10 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   importModel(job);
   frameParts(job);
   const bool skinned = job.model.parts.front().skin.has_value();
-  if (!skinned) rigParts(job.model, input, job.pack, report);  // faults are told before the long work
+  if (!skinned) {  // faults are told before the long work
+    rigParts(job.model, input, job.pack, report);
+    noteCrossings(job.model, job.sides, job.pack, report);
+  }
   clock.begin("voxelize");
   voxelizeParts(job);
   if (skinned) {
@@ -382,7 +376,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     reportFits(body, report);
   }
   clock.begin("cages");
-  addCages(job.model, settings, progress, input, job.pack);
+  addCages(job.model, settings, progress, input, job.sides, job.pack);
   for (std::size_t i = 0; i < job.pack.parts.size(); ++i) report.parts[i].cell = job.pack.parts[i].cell;
   clock.begin("palette");
   choosePalette(job);

@@ -64,7 +64,7 @@ bool takeRoom(const std::vector<RawCage>& cages, const RawPart& part, int levels
 // Gives all parts of `pack` their cages, with cells of at least so many voxels. Or the part at which there
 // are more than readers take by default; null: there are not.
 const SourcePart* buildAll(SourceModel& model, const Settings& settings, int least, const Progress& progress,
-                           RawPack& pack) {
+                           const Sides& sides, RawPack& pack) {
   Room room;
   for (std::size_t i = 0; i < pack.parts.size(); ++i) {
     if (progress && !progress("cages", static_cast<double>(i) / static_cast<double>(pack.parts.size())))
@@ -79,6 +79,8 @@ const SourcePart* buildAll(SourceModel& model, const Settings& settings, int lea
       const fields::SolidBits bits(occupancy, threadCount(settings.threads));
       grid.solid = std::move(occupancy.solid);
       part.cages = fields::buildCages(bits, levels, part.cell);
+      if (const auto its = sides.find(i); its != sides.end())
+        part.influences = followSides(part, levels, its->second);
     }
     if (!takeRoom(part.cages, part, levels, room)) return &model.parts[i];
   }
@@ -118,13 +120,13 @@ void checkCages(const SourceModel& model, const RawPack& pack, const Settings& s
 }
 
 void addCages(SourceModel& model, const Settings& settings, const Progress& progress,
-              const std::filesystem::path& input, RawPack& pack) {
-  const SourcePart* const first = buildAll(model, settings, fields::kSmallestCell, progress, pack);
+              const std::filesystem::path& input, const Sides& sides, RawPack& pack) {
+  const SourcePart* const first = buildAll(model, settings, fields::kSmallestCell, progress, sides, pack);
   if (!first) return;
   const SourcePart& part = *first;
   const int cell = pack.parts[static_cast<std::size_t>(first - model.parts.data())].cell;
   int fits = 2 * cell;
-  while (fits <= fields::kLargestCell && buildAll(model, settings, fits, progress, pack)) fits *= 2;
+  while (fits <= fields::kLargestCell && buildAll(model, settings, fits, progress, sides, pack)) fits *= 2;
   throw ToolError(
       Exit::kUnsupported,
       fmt::format(

@@ -130,7 +130,7 @@ std::string makeInfo(const std::filesystem::path& input, const SourceModel& mode
   info["options"] = options;
   for (const auto& [name, hash] : otherFiles(input, settings, used)) info["files"][name] = hash;
   if (pack.parts.size() > 1 || settings.parts == Parts::kNodes) noteAxes(model, pack, info);
-  if (!pack.parts.front().influences.empty()) {
+  if (!pack.parts.front().influences.empty() && model.parts.front().rig.sides.empty()) {
     // The parts that move by the rig file and not by the skin.
     OrderedJson& rigs = info["skin"]["rigs"] = OrderedJson::array();
     for (const SourcePart& part : model.parts)

@@ -72,6 +72,22 @@ void give(const RawRig& rest, RawPart& part) {
 
 }  // namespace
 
+void chooseBends(SourceModel& model, const Settings& settings) {
+  for (SourcePart& part : model.parts) {
+    if (part.skin) {  // its nodes follow joints
+      part.rig.bend = Bend::kShear;
+      part.rig.caged = true;
+    }
+    if (!part.rig.sides.empty()) part.carries = true;
+    if (part.rig.bend) continue;
+    part.rig.bend = part.fog ? Bend::kShear : settings.bend.value_or(kDefaultBend);
+    part.rig.caged = !part.fog && settings.caged;
+  }
+  for (const SourcePart& part : model.parts)
+    if (part.parent >= 0 && part.rig.parent_at != Part::kNotOnSpline)
+      model.parts[static_cast<std::size_t>(part.parent)].carries = true;
+}
+
 void requireRiggedParts(const SourceModel& model, const ImportSettings& settings,
                         const std::filesystem::path& input) {
   if (!model.outer) return;

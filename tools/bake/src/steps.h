@@ -2,7 +2,10 @@
 // The steps of bake(), in the order in which it takes them.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -55,6 +58,10 @@ void countSkin(const SourceSkin& skin, PartSize& size);
 // Adds how well clips and morph targets fit to the report, and a notice for those that do not fit well.
 void reportFits(const SkinnedBody& body, Report& report);
 
+// How each part bends: as its rig says, else by the settings; and which have others, or sides, on their
+// splines.
+void chooseBends(SourceModel& model, const Settings& settings);
+
 // ToolError kInvalid, with the names of the parts there are, if the outer rig has a rig for another part.
 void requireRiggedParts(const SourceModel& model, const ImportSettings& settings,
                         const std::filesystem::path& input);
@@ -64,13 +71,26 @@ void requireRiggedParts(const SourceModel& model, const ImportSettings& settings
 // ToolError for rigs and clips that cannot be.
 void rigParts(const SourceModel& model, const std::filesystem::path& input, RawPack& pack, Report& report);
 
+// The parts that the nodes of a part with sides follow, by that part: one for each corner, as cornerName().
+using Sides = std::map<std::size_t, std::array<std::uint32_t, 4>>;
+
+// Appends these parts, which are empty, and as many frames, which are padded. ToolError for sides that cannot
+// be.
+Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesystem::path& input);
+// What the nodes of a part's finest cage follow: bilinear between the corners.
+std::vector<Influences> followSides(const RawPart& part, int levels,
+                                    const std::array<std::uint32_t, 4>& followed);
+// A notice for each part whose sides cross. `pack`: has its rigs.
+void noteCrossings(const SourceModel& model, const Sides& sides, const RawPack& pack, Report& report);
+
 // ToolError for parts that cannot have the cages that their rigs or the settings ask for. `pack`: has the
 // parts' sizes.
 void checkCages(const SourceModel& model, const RawPack& pack, const Settings& settings,
                 const std::filesystem::path& input);
-// Builds those that are missing from the voxels. ToolError if they are more than a reader takes by default.
+// Builds those that are missing from the voxels; with sides, what their nodes follow. ToolError if they are
+// more than a reader takes by default.
 void addCages(SourceModel& model, const Settings& settings, const Progress& progress,
-              const std::filesystem::path& input, RawPack& pack);
+              const std::filesystem::path& input, const Sides& sides, RawPack& pack);
 
 // Levels of a volume: down to a single brick, or `asked` if that is fewer (0: all).
 int levelCount(const glm::ivec3& size, int asked);

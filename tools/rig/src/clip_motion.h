@@ -87,6 +87,21 @@ class PartMotions {
   std::unordered_map<std::uint32_t, OfKnot> knots_;
 };
 
+// All knots of a part while a clip moves them.
+class MovedKnots {
+ public:
+  // The offsets that the clip adds to a knot: x, y, z of its position, then of its tangent.
+  using OfKnot = std::array<Motion, 6>;
+
+  MovedKnots(const RawClip& clip, std::uint32_t part, const RawRig& rest);
+  std::vector<Knot> at(double time) const;
+  std::span<const OfKnot> motions() const { return motions_; }
+
+ private:
+  const RawRig& rest_;
+  std::vector<OfKnot> motions_;
+};
+
 // Periods with a common multiple, and that multiple.
 struct Clock {
   double period = 1;

@@ -74,11 +74,21 @@ RigFile describeParts(const Pack& pack, const RiggedPack& rigged) {
     for (auto& [part, share] : splitByPart(clip)) clips[part].push_back(std::move(share));
   for (RawSocket& socket : rawSockets(pack)) sockets[socket.part].push_back(std::move(socket));
   RigFile file;
+  std::vector<std::size_t> places(pack.parts().size());
   for (std::uint32_t i = 0; i < pack.parts().size(); ++i) {
     const Part& part = pack.parts()[i];
-    if (rigged.given[i])
-      file.parts.push_back(
-          {std::string(part.name), describeRig(restRig(part), clips[i], i, rigged.axes[i], sockets[i])});
+    if (!rigged.given[i]) continue;
+    places[i] = file.parts.size();
+    file.parts.push_back(
+        {std::string(part.name), describeRig(restRig(part), clips[i], i, rigged.axes[i], sockets[i])});
+  }
+  for (std::uint32_t i = 0; i < pack.parts().size(); ++i) {
+    const std::optional<RiggedPack::Side>& side = rigged.sides[i];
+    if (!side || side->corner < 0 || !rigged.given[side->of]) continue;
+    const Axis axis = rigged.axes[side->of];
+    RigDescription rig = describeRig(restRig(pack.parts()[i]), clips[i], i, axis);
+    file.parts[places[side->of]].rig.sides.push_back(
+        {cornerName(side->corner, axis), std::move(rig.knots), std::move(rig.clips)});
   }
   return file;
 }

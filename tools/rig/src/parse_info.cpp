@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The INFO of a pack -> what concerns its rigs.
+#include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -37,7 +39,6 @@ RiggedPack::RiggedPack(const Pack& pack) {
   const Json &options = memberOf(info, "options"), &noted = memberOf(info, "axes"),
              &skin = memberOf(info, "skin"), &rigs = memberOf(skin, "rigs");
   skinned = skin.is_object();
-  by_part = pack.parts().size() > 1 || memberOf(options, "parts") == "nodes";
   std::set<std::string_view> names;
   if (rigs.is_array())
     for (const Json& name : rigs)
@@ -47,6 +48,29 @@ RiggedPack::RiggedPack(const Pack& pack) {
     const Json& axis = memberOf(noted, part.name);
     axes.push_back((axis.is_string() ? parseAxis(axis.get_ref<const std::string&>()) : std::nullopt)
                        .value_or(axisByPlace(part.to_object, part.pivot).value_or(Axis::kPlusY)));
+  }
+  sides.resize(given.size());
+  if (!skinned) findSides(pack);
+  by_part = std::count(sides.begin(), sides.end(), std::nullopt) > 1 || memberOf(options, "parts") == "nodes";
+}
+
+// By their names.
+void RiggedPack::findSides(const Pack& pack) {
+  for (std::uint32_t of = 0; of < pack.parts().size(); ++of) {
+    const Part& body = pack.parts()[of];
+    if (body.cages.empty()) continue;
+    std::set<std::uint16_t> followed;
+    for (const Influences& node : body.cages[0].influences)
+      for (int i = 0; i < 4 && node.weights[i] > 0; ++i) followed.insert(node.parts[i]);
+    std::map<std::string, int> names{{std::string(body.name) + " " + kOwnSide, -1}};
+    for (int corner = 0; corner < 4; ++corner)
+      names[std::string(body.name) + " " + cornerName(corner, axes[of])] = corner;
+    for (const std::uint16_t part : followed) {
+      const auto its = names.find(std::string(pack.parts()[part].name));
+      if (its == names.end()) continue;
+      sides[part] = Side{of, its->second};
+      given[part] = false;
+    }
   }
 }
 

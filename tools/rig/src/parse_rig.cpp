@@ -13,6 +13,9 @@ namespace {
 
 using namespace rig;
 
+// "parts" is read in parse_rig_file.cpp.
+constexpr std::array<std::string_view, 11> kRigKeys{"kelp", "axis", "knots", "clips", "sockets", "parent_at",
+                                                    "bend", "cell", "roll",  "sides", "parts"};
 constexpr int kLanguageVersion = 1;
 constexpr double kShortestPeriod = 1e-3;  // seconds
 
@@ -201,6 +204,48 @@ RigDescription::Clip readClip(const Place& place, const std::string& name, std::
   return clip;
 }
 
+std::vector<RigDescription::Clip> readClips(const Place& place, std::size_t knots) {
+  if (!place.json.is_object())
+    fail(place, std::string("must be an object that maps names to clips, not ") + kindOf(place.json));
+  std::vector<RigDescription::Clip> clips;
+  for (const auto& member : place.json.items())
+    clips.push_back(readClip(place.at(member.key()), member.key(), knots));
+  return clips;
+}
+
+void readKnotsAndClips(const Place& place, std::vector<RigDescription::Knot>& knots,
+                       std::vector<RigDescription::Clip>& clips) {
+  if (place.has("knots")) knots = readKnots(place.at("knots"));
+  if (place.has("clips")) clips = readClips(place.at("clips"), knots.empty() ? 2 : knots.size());
+}
+
+// Which of the corners are across the rig's axis is known where that is: sideRigs().
+std::vector<RigDescription::Side> readSides(const Place& place) {
+  static constexpr std::array<std::string_view, 12> kCorners{"-x-y", "+x-y", "-x+y", "+x+y", "-x-z", "+x-z",
+                                                             "-x+z", "+x+z", "-y-z", "+y-z", "-y+z", "+y+z"};
+  requireObject(place, kCorners);
+  if (place.json.empty()) fail(place, "names no corner; give one a rig, or take \"sides\" out");
+  std::vector<RigDescription::Side> sides;
+  for (const auto& member : place.json.items()) {
+    const Place entry = place.at(member.key());
+    RigDescription::Side& side = sides.emplace_back();
+    side.corner = member.key();
+    requireObject(entry, kRigKeys);
+    for (const auto& its : entry.json.items())
+      if (its.key() != "knots" && its.key() != "clips")
+        fail(entry.at(its.key()),
+             "a side has \"knots\" and \"clips\" alone; write it into the part's own rig");
+    readKnotsAndClips(entry, side.knots, side.clips);
+    for (const RigDescription::Clip& clip : side.clips)
+      for (const RigDescription::Track& track : clip.tracks)
+        if (!rig::movesKnot(track.target))
+          fail(entry.at("clips").at(clip.name).at("keys"),
+               std::string("a clip of a side moves knots alone, and '") + rig::wordOf(track.target) +
+                   "' the whole part; write the key into a clip of the part's own rig");
+  }
+  return sides;
+}
+
 void readBend(const Place& place, RigDescription& rig) {
   if (place.has("bend")) {
     const Place bend = place.at("bend");
@@ -212,6 +257,12 @@ void readBend(const Place& place, RigDescription& rig) {
     if (!rig.bend)
       fail(bend, "must be \"sweep\", \"shear\" or \"cage\", not " +
                      printable(bend.json.dump(-1, ' ', false, Json::error_handler_t::replace)));
+    if (!rig.sides.empty() && !rig.caged)
+      fail(bend, "a part with sides bends by its cage; write \"cage\", or take \"bend\" out");
+  }
+  if (!rig.sides.empty()) {
+    rig.caged = true;
+    rig.bend = Bend::kShear;
   }
   if (place.has("cell")) {
     const Place cell = place.at("cell");
@@ -224,6 +275,7 @@ void readBend(const Place& place, RigDescription& rig) {
   if (!place.has("roll")) return;
   const Place roll = place.at("roll");
   const double degrees = readNumber(roll, -180, 180);
+  if (!rig.sides.empty()) fail(roll, "a part with sides does not turn about its spline; take \"roll\" out");
   if (rig.bend != Bend::kSweep)
     fail(roll, "only a swept part turns about its spline; write \"bend\": \"sweep\", or take \"roll\" out");
   rig.roll = rollOfDegrees(degrees);
@@ -250,11 +302,8 @@ void refuseSkin(const Place& place) {
 }
 
 RigDescription readRig(const Place& place, RigPlace stands) {
-  static constexpr std::array<std::string_view, 10> kKeys{"kelp",      "axis", "knots", "clips", "sockets",
-                                                          "parent_at", "bend", "cell",  "roll",  "parts"};
   refuseSkin(place);
-  // "parts" is read in parse_rig_file.cpp.
-  requireObject(place, std::span(kKeys).first(stands == RigPlace::kFile ? 10 : 9));
+  requireObject(place, std::span(kRigKeys).first(kRigKeys.size() - (stands == RigPlace::kFile ? 0 : 1)));
   if (stands != RigPlace::kPart || place.has("kelp")) requireVersion(place);
   RigDescription rig;
   if (place.has("axis")) {
@@ -264,15 +313,7 @@ RigDescription readRig(const Place& place, RigPlace stands) {
       fail(axis, "must be one of \"+x\", \"-x\", \"+y\", \"-y\", \"+z\", \"-z\", not " +
                      printable(axis.json.dump(-1, ' ', false, Json::error_handler_t::replace)));
   }
-  if (place.has("knots")) rig.knots = readKnots(place.at("knots"));
-  const std::size_t knots = rig.knots.empty() ? 2 : rig.knots.size();
-  if (place.has("clips")) {
-    const Place clips = place.at("clips");
-    if (!clips.json.is_object())
-      fail(clips, std::string("must be an object that maps names to clips, not ") + kindOf(clips.json));
-    for (const auto& member : clips.json.items())
-      rig.clips.push_back(readClip(clips.at(member.key()), member.key(), knots));
-  }
+  readKnotsAndClips(place, rig.knots, rig.clips);
   if (place.has("sockets")) readSockets(place.at("sockets"), rig);
   if (place.has("parent_at")) {
     const Place parent_at = place.at("parent_at");
@@ -282,6 +323,7 @@ RigDescription readRig(const Place& place, RigPlace stands) {
                           " is no place on the parent's spline; it must lie between 0 and 1 (-1 is the same "
                           "as leaving it out)");
   }
+  if (place.has("sides")) rig.sides = readSides(place.at("sides"));
   readBend(place, rig);
   return rig;
 }

@@ -34,8 +34,8 @@ const RigDescription* RigFile::find(std::string_view part) const {
 
 RigFile parseRigFile(std::string_view text) {
   static constexpr std::array<std::string_view, 2> kKeys{"kelp", "parts"};
-  static constexpr std::array<std::string_view, 7> kOfParts{"axis",      "knots", "clips", "sockets",
-                                                            "parent_at", "bend",  "roll"};
+  static constexpr std::array<std::string_view, 8> kOfParts{"axis",      "knots", "clips", "sockets",
+                                                            "parent_at", "bend",  "roll",  "sides"};
   const Json json = parseJson(text);
   const Place place{json, ""};
   RigFile file;

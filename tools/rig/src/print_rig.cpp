@@ -135,20 +135,35 @@ std::string socketText(const RigDescription::Socket& socket) {
   return line + "}";
 }
 
+void addKnotsAndClips(const std::vector<RigDescription::Knot>& knots,
+                      const std::vector<RigDescription::Clip>& clips, std::vector<std::string>& members) {
+  if (!knots.empty()) {
+    std::vector<std::string> lines;
+    for (const auto& knot : knots) lines.push_back(knotLine(knot));
+    members.push_back("\"knots\": [" + join(lines, "    ") + "]");
+  }
+  if (!clips.empty()) {
+    std::vector<std::string> texts;
+    for (const auto& clip : clips) texts.push_back(clipText(clip));
+    members.push_back("\"clips\": {" + join(texts, "    ") + "}");
+  }
+}
+
+// `members` in braces, each line `indent` further right.
+std::string block(const std::vector<std::string>& members, const std::string& indent) {
+  std::string text = "{";
+  for (const char c : join(members, "  ") + "}") {
+    text += c;
+    if (c == '\n') text += indent;
+  }
+  return text;
+}
+
 // All but the version.
 std::vector<std::string> membersOf(const RigDescription& rig) {
   std::vector<std::string> members;
   if (rig.axis) members.push_back(std::string("\"axis\": \"") + toString(*rig.axis) + "\"");
-  if (!rig.knots.empty()) {
-    std::vector<std::string> lines;
-    for (const auto& knot : rig.knots) lines.push_back(knotLine(knot));
-    members.push_back("\"knots\": [" + join(lines, "    ") + "]");
-  }
-  if (!rig.clips.empty()) {
-    std::vector<std::string> texts;
-    for (const auto& clip : rig.clips) texts.push_back(clipText(clip));
-    members.push_back("\"clips\": {" + join(texts, "    ") + "}");
-  }
+  addKnotsAndClips(rig.knots, rig.clips, members);
   if (!rig.sockets.empty()) {
     std::vector<std::string> lines;
     for (const auto& socket : rig.sockets) lines.push_back(socketText(socket));
@@ -158,6 +173,15 @@ std::vector<std::string> membersOf(const RigDescription& rig) {
   if (rig.bend) members.push_back(std::string("\"bend\": \"") + toString(*rig.bend, rig.caged) + "\"");
   if (rig.cell != 0) members.push_back("\"cell\": " + std::to_string(rig.cell));
   if (rig.roll != 0) members.push_back("\"roll\": " + degrees(rig.roll));
+  if (!rig.sides.empty()) {
+    std::vector<std::string> sides;
+    for (const RigDescription::Side& side : rig.sides) {
+      std::vector<std::string> its;
+      addKnotsAndClips(side.knots, side.clips, its);
+      sides.push_back(inQuotes(side.corner) + ": " + block(its, "    "));
+    }
+    members.push_back("\"sides\": {" + join(sides, "    ") + "}");
+  }
   return members;
 }
 
@@ -173,13 +197,8 @@ std::string printRig(const RigDescription& rig) { return fileText(membersOf(rig)
 std::string printRigFile(const RigFile& file) {
   std::vector<std::string> members = membersOf(file.whole);
   std::vector<std::string> parts;
-  for (const RigFile::PartRig& part : file.parts) {
-    std::string& text = parts.emplace_back(inQuotes(part.name) + ": {");
-    for (const char c : join(membersOf(part.rig), "  ") + "}") {
-      text += c;
-      if (c == '\n') text += "    ";
-    }
-  }
+  for (const RigFile::PartRig& part : file.parts)
+    parts.push_back(inQuotes(part.name) + ": " + block(membersOf(part.rig), "    "));
   if (!parts.empty()) members.push_back("\"parts\": {" + join(parts, "    ") + "}");
   return fileText(std::move(members));
 }

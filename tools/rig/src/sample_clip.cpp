@@ -22,22 +22,10 @@ constexpr double kMostWork = 1 << 26, kArcsOfKnot = 256;
 // The bounds of arcs may be wider than they by this, voxels.
 constexpr float kSlack = 0.05f;
 
-// The offsets that the clip adds to a knot: x, y, z of its position, then of its tangent.
-using KnotMotion = std::array<Motion, 6>;
-
 class ClipSampler {
  public:
   ClipSampler(const RawClip& clip, std::uint32_t part, const RawRig& rest, const glm::ivec3& size)
-      : clip_(clip), part_(part), rest_(rest), size_(size), motions_(rest.knots.size()) {
-    const PartMotions moved(clip, part, rest);
-    for (std::size_t knot = 0; knot < motions_.size(); ++knot) {
-      for (int i = 0; i < 6; ++i) {
-        const std::array<Term, 1> term{{{static_cast<std::uint32_t>(knot),
-                                         i < 3 ? Target::kKnotOffset : Target::kKnotTangent, i % 3, 1}}};
-        motions_[knot][static_cast<std::size_t>(i)] = moved.sum(term);
-      }
-    }
-  }
+      : clip_(clip), part_(part), rest_(rest), size_(size), moved_(clip, part, rest) {}
 
   ClipReport run() {
     for (const double moment : moments()) look(moment);
@@ -52,13 +40,13 @@ class ClipSampler {
  private:
   std::vector<double> moments() const {
     std::vector<const Motion*> moving;
-    for (const KnotMotion& knot : motions_)
+    for (const MovedKnots::OfKnot& knot : moved_.motions())
       for (const Motion& motion : knot)
         if (!motion.still()) moving.push_back(&motion);
     std::vector<double> all{0};
     if (moving.empty()) return all;
 
-    double shortest = INFINITY, longest = 0, cost = kArcsOfKnot * static_cast<double>(motions_.size());
+    double shortest = INFINITY, longest = 0, cost = kArcsOfKnot * static_cast<double>(rest_.knots.size());
     for (const Motion* motion : moving) {
       cost += static_cast<double>(motion->harmonics.size()) + 1;
       if (!motion->pieces.empty()) shortest = std::min(shortest, motion->duration);
@@ -98,14 +86,7 @@ class ClipSampler {
   }
 
   void look(double moment) {
-    std::vector<Knot> knots = rest_.knots;
-    for (std::size_t knot = 0; knot < knots.size(); ++knot) {
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto i = static_cast<std::size_t>(axis);
-        knots[knot].position[axis] += static_cast<float>(motions_[knot][i].at(moment));
-        knots[knot].tangent[axis] += static_cast<float>(motions_[knot][i + 3].at(moment));
-      }
-    }
+    const std::vector<Knot> knots = moved_.at(moment);
     const Result<void> made = makeArcs(knots, size_, rest_.roll, kArcTolerance, chain_);
     if (!made)
       throw RigError(
@@ -124,12 +105,36 @@ class ClipSampler {
   std::uint32_t part_;
   const RawRig& rest_;
   glm::ivec3 size_;
-  std::vector<KnotMotion> motions_;
+  MovedKnots moved_;
   ArcChain chain_;
   ClipReport report_;
 };
 
 }  // namespace
+
+MovedKnots::MovedKnots(const RawClip& clip, std::uint32_t part, const RawRig& rest)
+    : rest_(rest), motions_(rest.knots.size()) {
+  const PartMotions moved(clip, part, rest);
+  for (std::size_t knot = 0; knot < motions_.size(); ++knot) {
+    for (int i = 0; i < 6; ++i) {
+      const std::array<Term, 1> term{
+          {{static_cast<std::uint32_t>(knot), i < 3 ? Target::kKnotOffset : Target::kKnotTangent, i % 3, 1}}};
+      motions_[knot][static_cast<std::size_t>(i)] = moved.sum(term);
+    }
+  }
+}
+
+std::vector<Knot> MovedKnots::at(double time) const {
+  std::vector<Knot> knots = rest_.knots;
+  for (std::size_t knot = 0; knot < knots.size(); ++knot) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto i = static_cast<std::size_t>(axis);
+      knots[knot].position[axis] += static_cast<float>(motions_[knot][i].at(time));
+      knots[knot].tangent[axis] += static_cast<float>(motions_[knot][i + 3].at(time));
+    }
+  }
+  return knots;
+}
 
 ClipReport sampleClip(const RawClip& clip, std::uint32_t part, const RawRig& rest, const glm::ivec3& size) {
   return ClipSampler(clip, part, rest, size).run();

@@ -9,7 +9,6 @@
 #include <CLI/CLI.hpp>
 
 #include "commands/commands.h"
-#include "kelp/rig/raw_clips.h"
 #include "kelp/rig/rig_file.h"
 #include "pack/pack_file.h"
 #include "text/text.h"
@@ -21,11 +20,13 @@ struct RigOptions {
   std::string path, part, axis;
 };
 
-std::string partRig(PackFile& file, std::uint32_t index, Axis axis) {
-  const Pack& pack = file.pack();
-  const Part& part = pack.parts()[index];
+std::string partRig(PackFile& file, RiggedPack rigged, std::uint32_t index, Axis axis) {
+  const Part& part = file.pack().parts()[index];
+  rigged.given.assign(rigged.given.size(), false);
+  rigged.given[index] = true;
+  rigged.axes[index] = axis;
   try {
-    return printRig(describeRig(restRig(part), rawClips(pack), index, axis, rawSockets(pack)));
+    return printRig(describeParts(file.pack(), rigged).parts.front().rig);
   } catch (const RigError& error) {
     throw ToolError(Exit::kInvalid, fmt::format("{}: part {} '{}': {}", file.path(), index,
                                                 nameText(part.name), error.what()));
@@ -61,7 +62,7 @@ Exit runRig(const RigOptions& options) {
     print(partRigs(file, rigged));
   } else {
     const std::uint32_t index = file.partOrFirst(options.part);
-    print(partRig(file, index, axis.value_or(rigged.axes[index])));
+    print(partRig(file, rigged, index, axis.value_or(rigged.axes[index])));
   }
   return Exit::kOk;
 }

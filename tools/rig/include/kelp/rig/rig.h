@@ -3,12 +3,14 @@
 // into the knots and clips of a part. The language is described, with examples, in tools/rig/LANGUAGE.md.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -75,15 +77,27 @@ struct RigDescription {
     bool operator==(const Socket&) const = default;
   };
 
+  // One of the four edges along the axis, with a spline of its own. Its clips move knots alone.
+  struct Side {
+    std::string corner;  // of the section: cornerName()
+    std::vector<Knot> knots;
+    std::vector<Clip> clips;
+    bool operator==(const Side&) const = default;
+  };
+
   std::optional<Axis> axis;  // in the node's (or file's) own axes; +y if absent
   std::vector<Knot> knots;   // empty: two, at 0 and 1
   std::vector<Clip> clips;
   std::vector<Socket> sockets;           // at most kMaxSockets, each with a name of its own
   float parent_at = Part::kNotOnSpline;  // place on the parent part's spline, as Part::parent_at
   std::optional<Bend> bend;              // kDefaultBend if absent
-  bool caged = false;                    // "cage": drawn through a cage, which moves as `bend` says: kSweep
+  bool caged = false;                    // "cage": drawn through a cage, which moves as `bend` says: kSweep,
+                                         // with sides kShear
   int cell = 0;                          // side of its cells, as RawPart::cell; 0: the baker's choice
   float roll = 0;                        // as Part::roll; 0 unless `bend` is kSweep
+  // Not empty: the part is caged, and its nodes follow these, bilinear between the four corners. A corner
+  // that is absent moves as knots and clips above do.
+  std::vector<Side> sides;
   bool operator==(const RigDescription&) const = default;
 };
 
@@ -148,6 +162,23 @@ std::vector<std::pair<std::uint32_t, RawClip>> splitByPart(const RawClip& clip);
 // `axis` is the part's axis in the artist's axes.
 RigDescription describeRig(const RestRig& rest, std::span<const RawClip> clips, std::uint32_t part,
                            Axis axis = Axis::kPlusY, std::span<const RawSocket> sockets = {});
+
+// The corner of a section in the artist's axes: "-x-z". corner: bit 0: towards the part's +x, bit 1: its +z.
+std::string cornerName(int corner, Axis axis);
+// The side for the corners that a rig leaves out: its name and its rig.
+inline constexpr const char* kOwnSide = "own";
+RigDescription ownSide(const RigDescription& rig);
+// The rigs of the empty parts that the nodes of a part with sides follow, by the names of the sides; and
+// which of them each corner follows. RigError for a corner that is not across the axis.
+struct SideRigs {
+  std::vector<std::pair<std::string, RigDescription>> parts;
+  int followed[4] = {-1, -1, -1, -1};
+};
+SideRigs sideRigs(const RigDescription& rig);
+// Says where the splines of the four corners pass through each other, so that a section is turned around: at
+// rest (clip: null) or at one of some moments of a clip. Empty: nowhere. parts, rests: of the corners.
+std::string sidesCross(const std::array<std::uint32_t, 4>& parts, const std::array<RawRig, 4>& rests,
+                       const RawClip* clip, const glm::ivec3& size);
 
 // The motion of one part over the whole clip.
 struct ClipReport {

@@ -2,6 +2,8 @@
 // The content of a rig file (*.rig.json): one rig, or the rigs of parts by name.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,14 +40,27 @@ struct RiggedPack {
   RiggedPack() = default;
   explicit RiggedPack(const Pack& pack);
 
-  // The rig file has a rig for each part: there are several, or kelp-bake was asked for parts of nodes.
+  // The rig file has a rig for each part: there are several, sides not counted, or kelp-bake was asked for
+  // parts of nodes.
   bool by_part = false;
   std::vector<Axis> axes;   // of each part, in the axes of its node
   bool skinned = false;     // a skin moves its parts; only these have a rig of their own, from a rig file:
-  std::vector<bool> given;  // of each part; without a skin, all
+  std::vector<bool> given;  // of each part; without a skin, all but sides
+  // Of each part: if it is a side of another, that part and the corner, as cornerName(); -1: of those left
+  // out.
+  struct Side {
+    std::uint32_t of = 0;
+    int corner = -1;
+    bool operator==(const Side&) const = default;
+  };
+  std::vector<std::optional<Side>> sides;
+
+ private:
+  void findSides(const Pack& pack);
 };
 
 // The rig file that bakes a pack of several parts again: the rigs of all parts, but those that a skin moves.
+// Sides are in the rigs of their parts.
 RigFile describeParts(const Pack& pack, const RiggedPack& rigged);
 
 }  // namespace kelp

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// Parts with sides (tools/rig/LANGUAGE.md): the empty parts that their nodes follow, and by what weights.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "kelp/formats/cage.h"
+#include "kelp/formats/pack.h"
+#include "part_frames.h"
+#include "steps.h"
+
+namespace kelp::bake {
+namespace {
+
+[[noreturn]] void refuseSides(const std::filesystem::path& input, const SourcePart& part, Exit exit,
+                              const std::string& text) {
+  throw ToolError(exit, fmt::format("{} ({}): {}", partPlace(input, part), part.rig_origin, text));
+}
+
+void checkBody(const std::filesystem::path& input, const SourcePart& part) {
+  const char* const wrong = part.fog         ? "is fog, which has no cage"
+                            : part.skin      ? "bends as the joints of its skin move"
+                            : part.isEmpty() ? "is empty, and has nothing that could bend"
+                                             : nullptr;
+  if (wrong)
+    refuseSides(input, part, Exit::kUnsupported,
+                fmt::format("/sides: the part {}; take \"sides\" out", wrong));
+}
+
+SourcePart sidePart(const SourcePart& body, const Frame& frame, const std::string& name, RigDescription rig) {
+  SourcePart side;
+  side.name = body.name + " " + name;
+  side.to_object = body.to_object;
+  side.pivot = body.pivot;
+  side.rig = std::move(rig);
+  side.rig_origin = body.rig_origin;
+  VoxelGrid& box = side.grid.emplace();
+  box.size = body.isVolume() ? body.volumeSize() : frame.size;
+  box.to_node =
+      body.isVolume() ? body.volumeToNode() : glm::mat4x3(glm::dmat4x3(glm::inverse(frame.node_to_voxel)));
+  return side;
+}
+
+}  // namespace
+
+Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesystem::path& input) {
+  Sides sides;
+  std::vector<SourcePart> added;
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    const SourcePart& body = model.parts[i];
+    if (body.rig.sides.empty()) continue;
+    checkBody(input, body);
+    try {
+      SideRigs rigs = sideRigs(body.rig);
+      for (std::size_t corner = 0; corner < 4; ++corner)
+        sides[i][corner] = static_cast<std::uint32_t>(model.parts.size() + added.size() +
+                                                      static_cast<std::size_t>(rigs.followed[corner]));
+      for (auto& [name, rig] : rigs.parts) added.push_back(sidePart(body, frames[i], name, std::move(rig)));
+    } catch (const RigError& error) {
+      refuseSides(input, body, Exit::kInvalid, error.what());
+    }
+  }
+  std::ranges::move(added, std::back_inserter(model.parts));
+  frames.resize(model.parts.size());
+  if (!sides.empty() && model.parts.size() > PackLimits{}.max_parts)
+    throw ToolError(
+        Exit::kUnsupported,
+        fmt::format("{}: makes {} parts, sides included, and packs of more than {} are not read by "
+                    "default; give fewer parts sides, or leave --parts out",
+                    input.filename().string(), model.parts.size(), PackLimits{}.max_parts));
+  return sides;
+}
+
+std::vector<Influences> followSides(const RawPart& part, int levels,
+                                    const std::array<std::uint32_t, 4>& followed) {
+  CageMemory memory;
+  const Result<Cage> cage = makeCage(part.cages[0].source(), part.size, levels, part.cell, 0, nullptr,
+                                     4 * PackLimits{}.max_metadata_bytes, memory);
+  if (!cage) return {};  // it is refused as too large
+  std::vector<Influences> influences(cage->nodes());
+  for (std::uint32_t node = 0; node < cage->nodes(); ++node) {
+    const glm::dvec3 share = glm::min(glm::dvec3(cage->rest(node)) / glm::dvec3(part.size), glm::dvec3(1));
+    std::map<std::uint32_t, double> shares;  // several corners may follow one part
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      shares[followed[corner]] += (corner & 1 ? share.x : 1 - share.x) * (corner & 2 ? share.z : 1 - share.z);
+    double sum = 0;
+    int given = 0, count = 0;
+    for (const auto& [part, its] : shares) {
+      sum += its;
+      const int until = static_cast<int>(std::lround(255 * sum));
+      if (until == given) continue;
+      influences[node].parts[count] = static_cast<std::uint16_t>(part);
+      influences[node].weights[count++] = static_cast<std::uint8_t>(until - given);
+      given = until;
+    }
+  }
+  return influences;
+}
+
+void noteCrossings(const SourceModel& model, const Sides& sides, const RawPack& pack, Report& report) {
+  for (const auto& [part, followed] : sides) {
+    std::array<RawRig, 4> rests;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      const RawPart& its = pack.parts[followed[corner]];
+      rests[corner] = {its.knots, its.automatic_tangents, its.parent_at, its.bend, its.roll};
+    }
+    const glm::ivec3& size = pack.parts[part].size;
+    std::string where = sidesCross(followed, rests, nullptr, size);
+    for (std::size_t clip = 0; where.empty() && clip < pack.clips.size(); ++clip)
+      where = sidesCross(followed, rests, &pack.clips[clip], size);
+    if (!where.empty())
+      report.notices.push_back(
+          fmt::format("part '{}': its sides pass through each other {}, and what lies between them is turned "
+                      "inside out; move them apart there",
+                      model.parts[part].name, where));
+  }
+}
+
+}  // namespace kelp::bake
