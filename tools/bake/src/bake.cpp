@@ -171,6 +171,7 @@ void layParts(Job& job) {
     raw.name = part.name;
     raw.parent = part.parent;
     raw.pivot = part.pivot;
+    raw.sections = part.sections;
     raw.size = part.isVolume() ? part.volumeSize() : job.frames[i].size;
   }
   checkCages(job.model, job.pack, job.settings, job.input);

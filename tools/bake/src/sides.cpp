@@ -32,6 +32,18 @@ void checkBody(const std::filesystem::path& input, const SourcePart& part) {
                 fmt::format("/sides: the part {}; take \"sides\" out", wrong));
 }
 
+void checkSections(const std::filesystem::path& input, const SourcePart& part) {
+  const char* const wrong = part.fog          ? "is fog, which has no cage"
+                            : part.skin       ? "bends as the joints of its skin move"
+                            : part.isEmpty()  ? "is empty, and has no sections"
+                            : !part.rig.caged ? "is not bent by a cage; write \"bend\": \"cage\", or"
+                                              : nullptr;
+  if (wrong)
+    refuseSides(input, part, Exit::kUnsupported,
+                fmt::format("the part {}{} take \"width\", \"twist\" and \"keep_volume\" out", wrong,
+                            part.rig.caged ? ";" : ""));
+}
+
 SourcePart sidePart(const SourcePart& body, const Frame& frame, const std::string& name, RigDescription rig) {
   SourcePart side;
   side.name = body.name + " " + name;
@@ -52,7 +64,12 @@ Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesy
   Sides sides;
   std::vector<SourcePart> added;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
-    const SourcePart& body = model.parts[i];
+    SourcePart& body = model.parts[i];
+    if (hasSections(body.rig) && body.sections < 0) {
+      checkSections(input, body);
+      body.sections = static_cast<int>(model.parts.size() + added.size());
+      added.push_back(sidePart(body, frames[i], "sections", sectionRig(body.rig)));
+    }
     if (body.rig.sides.empty()) continue;
     checkBody(input, body);
     try {

@@ -84,7 +84,11 @@ RigFile describeParts(const Pack& pack, const RiggedPack& rigged) {
   }
   for (std::uint32_t i = 0; i < pack.parts().size(); ++i) {
     const std::optional<RiggedPack::Side>& side = rigged.sides[i];
-    if (!side || side->corner < 0 || !rigged.given[side->of]) continue;
+    if (!side || side->corner == -1 || !rigged.given[side->of]) continue;
+    if (side->corner == RiggedPack::kSections) {
+      addSections(describeRig(restRig(pack.parts()[i]), clips[i], i), file.parts[places[side->of]].rig);
+      continue;
+    }
     const Axis axis = rigged.axes[side->of];
     RigDescription rig = describeRig(restRig(pack.parts()[i]), clips[i], i, axis);
     file.parts[places[side->of]].rig.sides.push_back(

@@ -59,6 +59,11 @@ void RiggedPack::findSides(const Pack& pack) {
   for (std::uint32_t of = 0; of < pack.parts().size(); ++of) {
     const Part& body = pack.parts()[of];
     if (body.cages.empty()) continue;
+    if (body.sections >= 0) {
+      const auto part = static_cast<std::size_t>(body.sections);
+      sides[part] = Side{of, kSections};
+      given[part] = false;
+    }
     std::set<std::uint16_t> followed;
     for (const Influences& node : body.cages[0].influences)
       for (int i = 0; i < 4 && node.weights[i] > 0; ++i) followed.insert(node.parts[i]);

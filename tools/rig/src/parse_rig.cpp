@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // JSON -> RigDescription: knots and clips; sockets in sockets.cpp.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -28,13 +29,13 @@ int readKnotIndex(const Place& place, std::size_t knots) {
 }
 
 // The one of `targets` that `place` names.
-Target readTarget(const Place& place, std::span<const Target> targets) {
+MovedThing readTarget(const Place& place, std::span<const MovedThing> targets) {
   std::string words;
-  std::vector<Target> named;
-  for (const Target target : targets) {
-    words += (words.empty()              ? "'"
-              : target == targets.back() ? " or '"
-                                         : ", '") +
+  std::vector<MovedThing> named;
+  for (const MovedThing& target : targets) {
+    words += (words.empty()                ? "'"
+              : &target == &targets.back() ? " or '"
+                                           : ", '") +
              std::string(rig::wordOf(target)) + "'";
     if (place.has(rig::wordOf(target))) named.push_back(target);
   }
@@ -44,8 +45,30 @@ Target readTarget(const Place& place, std::span<const Target> targets) {
                   "'; exactly one of " + words + " is allowed: write two entries");
 }
 
+// One factor for both axes across, or one for each.
+glm::vec2 readWidth(const Place& place, double least = -kLargest) {
+  if (!place.json.is_array()) return glm::vec2(readFloat(place, least, kLargest));
+  if (place.json.size() != 2) fail(place, "must be a number, or two: one for each axis across the rig's");
+  return {readFloat(place.at(0), least, kLargest), readFloat(place.at(1), least, kLargest)};
+}
+float readTwist(const Place& place) { return static_cast<float>(glm::radians(readNumber(place))); }
+
+RigDescription::Section readSection(const Place& knot) {
+  constexpr double kNarrowest = 1e-3;
+  RigDescription::Section section;
+  if (knot.has("width")) section.width = readWidth(knot.at("width"), kNarrowest);
+  if (knot.has("twist")) section.twist = readTwist(knot.at("twist"));
+  if (knot.has("keep_volume")) {
+    const Place keep = knot.at("keep_volume");
+    section.keep_volume =
+        keep.json.is_boolean() ? (keep.json.get<bool>() ? 1.0f : 0.0f) : readFloat(keep, 0, 1);
+  }
+  return section;
+}
+
 std::vector<RigDescription::Knot> readKnots(const Place& place) {
-  static constexpr std::array<std::string_view, 3> kKeys{"at", "offset", "tangent"};
+  static constexpr std::array<std::string_view, 6> kKeys{"at",    "offset", "tangent",
+                                                         "width", "twist",  "keep_volume"};
   requireArray(place);
   const std::size_t count = place.json.size();
   if (count < 2 || count > static_cast<std::size_t>(kMaxKnots))
@@ -65,18 +88,24 @@ std::vector<RigDescription::Knot> readKnots(const Place& place) {
     if (i + 1 == count && knot.at != 1) fail(at, "the last knot must be at 1, not at " + printable(knot.at));
     if (entry.has("offset")) knot.offset = readVec3(entry.at("offset"));
     if (entry.has("tangent")) knot.tangent = readVec3(entry.at("tangent"));
+    knot.section = readSection(entry);
   }
   return knots;
 }
 
 RigDescription::Wave readWave(const Place& place, std::size_t knots) {
-  static constexpr std::array<std::string_view, 5> kKeys{"knot", "offset", "tangent", "period", "phase"};
-  static constexpr std::array<Target, 2> kTargets{Target::kKnotOffset, Target::kKnotTangent};
+  static constexpr std::array<std::string_view, 7> kKeys{"knot",  "offset", "tangent", "width",
+                                                         "twist", "period", "phase"};
   requireObject(place, kKeys);
   RigDescription::Wave wave;
   wave.knot = readKnotIndex(required(place, "knot", "say which knot the wave moves"), knots);
-  wave.target = readTarget(place, kTargets);
-  wave.amplitude = readVec3(place.at(std::string(rig::wordOf(wave.target))));
+  const MovedThing moved = readTarget(place, std::span(kMovedThings).first(4));
+  const Place amplitude = place.at(std::string(rig::wordOf(moved)));
+  wave.target = moved.target;
+  wave.of_section = moved.of_section;
+  wave.amplitude = moved == kTwist   ? glm::vec3(readTwist(amplitude), 0, 0)
+                   : moved == kWidth ? glm::vec3(readWidth(amplitude), 0)
+                                     : readVec3(amplitude);
   wave.period =
       readFloat(required(place, "period", "say how many seconds one swing takes"), kShortestPeriod, kLargest);
   if (place.has("phase")) wave.phase = readFloat(place.at("phase"));
@@ -84,7 +113,10 @@ RigDescription::Wave readWave(const Place& place, std::size_t knots) {
 }
 
 // A key's value, or a slope of the same kind. `slope`: no unit length, no rest value.
-glm::vec4 readKeyValue(const Place& place, Target target, bool slope) {
+glm::vec4 readKeyValue(const Place& place, const MovedThing& moved, bool slope) {
+  if (moved == kTwist) return {readTwist(place), 0, 0, 0};
+  if (moved == kWidth) return glm::vec4(readWidth(place) - (slope ? 0.0f : 1.0f), 0, 0);
+  const Target target = moved.target;
   if (target == Target::kPartRotation) {
     if (!slope) return readRotation(place);
     const auto q = readVector<4>(place);
@@ -107,34 +139,33 @@ Interpolation readInterpolation(const Place& place) {
 // All keys are in one list. Keys that move the same thing form a track; tracks are ordered by their first
 // key.
 std::vector<RigDescription::Track> readKeys(const Place& place, std::size_t knots, Interpolation by_default) {
-  static constexpr std::array<std::string_view, 10> kKeys{
-      "time", "knot", "offset", "tangent", "translation", "rotation", "scale", "interpolation", "in", "out"};
-  static constexpr std::array<Target, 5> kTargets{Target::kKnotOffset, Target::kKnotTangent,
-                                                  Target::kPartTranslation, Target::kPartRotation,
-                                                  Target::kPartScale};
+  static constexpr std::array<std::string_view, 12> kKeys{"time",  "knot",          "offset",      "tangent",
+                                                          "width", "twist",         "translation", "rotation",
+                                                          "scale", "interpolation", "in",          "out"};
   struct Origin {
     bool stated = false;                       // a key of the track states the interpolation
     std::optional<std::string> slope_pointer;  // first explicit slope
   };
   std::vector<RigDescription::Track> tracks;
   std::vector<Origin> origins;
-  std::array<std::array<int, kMaxKnots>, kTargets.size()> track_of{};  // index + 1, by target and knot
+  std::array<std::array<int, kMaxKnots>, kMovedThings.size()> track_of{};  // index + 1, by thing and knot
 
   requireArray(place);
   for (std::size_t i = 0; i < place.json.size(); ++i) {
     const Place entry = place.at(i);
     requireObject(entry, kKeys);
-    const Target target = readTarget(entry, kTargets);
+    const MovedThing moved = readTarget(entry, kMovedThings);
     int knot = 0;
-    if (rig::movesKnot(target)) {
+    if (rig::movesKnot(moved.target)) {
       knot = readKnotIndex(required(entry, "knot", "say which knot the key moves"), knots);
     } else if (entry.has("knot")) {
       fail(entry.at("knot"),
-           std::string("'") + rig::wordOf(target) + "' moves the whole part, not a knot; remove this key");
+           std::string("'") + rig::wordOf(moved) + "' moves the whole part, not a knot; remove this key");
     }
-    int& slot = track_of[static_cast<std::size_t>(target)][static_cast<std::size_t>(knot)];
+    const auto thing = std::find(kMovedThings.begin(), kMovedThings.end(), moved) - kMovedThings.begin();
+    int& slot = track_of[static_cast<std::size_t>(thing)][static_cast<std::size_t>(knot)];
     if (slot == 0) {
-      tracks.push_back({knot, target, by_default, {}});
+      tracks.push_back({knot, moved.target, by_default, {}, moved.of_section});
       origins.emplace_back();
       slot = static_cast<int>(tracks.size());
     }
@@ -147,7 +178,7 @@ std::vector<RigDescription::Track> readKeys(const Place& place, std::size_t knot
     if (!track.keys.empty() && !(key.time > track.keys.back().time))
       fail(time, "keys of one thing must ascend in time: " + printable(key.time) + " follows " +
                      printable(track.keys.back().time) + "; sort them, and let no two coincide");
-    key.value = readKeyValue(entry.at(std::string(rig::wordOf(target))), target, false);
+    key.value = readKeyValue(entry.at(std::string(rig::wordOf(moved))), moved, false);
     if (entry.has("interpolation")) {
       const Interpolation stated = readInterpolation(entry.at("interpolation"));
       if (origin.stated && stated != track.interpolation)
@@ -157,8 +188,8 @@ std::vector<RigDescription::Track> readKeys(const Place& place, std::size_t knot
       track.interpolation = stated;
       origin.stated = true;
     }
-    if (entry.has("in")) key.in = readKeyValue(entry.at("in"), target, true);
-    if (entry.has("out")) key.out = readKeyValue(entry.at("out"), target, true);
+    if (entry.has("in")) key.in = readKeyValue(entry.at("in"), moved, true);
+    if (entry.has("out")) key.out = readKeyValue(entry.at("out"), moved, true);
     if ((key.in || key.out) && !origin.slope_pointer)
       origin.slope_pointer = entry.pointer + (key.in ? "/in" : "/out");
     track.keys.push_back(key);
@@ -236,6 +267,11 @@ std::vector<RigDescription::Side> readSides(const Place& place) {
         fail(entry.at(its.key()),
              "a side has \"knots\" and \"clips\" alone; write it into the part's own rig");
     readKnotsAndClips(entry, side.knots, side.clips);
+    RigDescription its;
+    its.knots = side.knots;
+    its.clips = side.clips;
+    if (hasSections(its))
+      fail(entry, "a side is a line, and has no sections; take \"width\", \"twist\" and \"keep_volume\" out");
     for (const RigDescription::Clip& clip : side.clips)
       for (const RigDescription::Track& track : clip.tracks)
         if (!rig::movesKnot(track.target))
@@ -324,6 +360,10 @@ RigDescription readRig(const Place& place, RigPlace stands) {
                           "as leaving it out)");
   }
   if (place.has("sides")) rig.sides = readSides(place.at("sides"));
+  if (!rig.sides.empty() && hasSections(rig))
+    fail(place.at("sides"),
+         "sides and sections exclude each other; take \"sides\" out, or \"width\", \"twist\" and "
+         "\"keep_volume\"");
   readBend(place, rig);
   return rig;
 }

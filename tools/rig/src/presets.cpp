@@ -66,12 +66,40 @@ RigDescription swim(Axis axis) {
   return rig;
 }
 
+// What lives: the middle widens and narrows.
+RigDescription breathe(Axis axis) {
+  RigDescription rig;
+  rig.axis = axis;
+  rig.knots = {
+      {0, glm::vec3(0), std::nullopt}, {0.5f, glm::vec3(0), std::nullopt}, {1, glm::vec3(0), std::nullopt}};
+  RigDescription::Clip clip{"breathe", 4.0f, {}, {}};
+  clip.waves = {{1, Target::kKnotOffset, {0.08f, 0.08f, 0}, 4, 0, true}};
+  rig.clips.push_back(clip);
+  rig.bend = Bend::kSweep;
+  rig.caged = true;
+  return rig;
+}
+
+// A tower: its end turns about the axis, a quarter turn to each side.
+RigDescription twist(Axis axis) {
+  RigDescription rig;
+  rig.axis = axis;
+  RigDescription::Clip clip{"twist", 6.0f, {}, {}};
+  clip.waves = {{1, Target::kKnotTangent, {1.57079633f, 0, 0}, 6, 0, true}};
+  rig.clips.push_back(clip);
+  rig.bend = Bend::kSweep;
+  rig.caged = true;
+  return rig;
+}
+
 }  // namespace
 
 std::optional<RigDescription> presetRig(std::string_view name, std::optional<Axis> axis,
                                         std::optional<Axis> up) {
   if (name == "sway") return sway(axis.value_or(up.value_or(Axis::kPlusY)));
   if (name == "swim") return swim(axis.value_or(Axis::kMinusZ));
+  if (name == "breathe") return breathe(axis.value_or(up.value_or(Axis::kPlusY)));
+  if (name == "twist") return twist(axis.value_or(up.value_or(Axis::kPlusY)));
   if (name == "none") {
     RigDescription rig;
     rig.axis = axis;
@@ -80,6 +108,6 @@ std::optional<RigDescription> presetRig(std::string_view name, std::optional<Axi
   return std::nullopt;
 }
 
-std::vector<std::string> presetNames() { return {"none", "sway", "swim"}; }
+std::vector<std::string> presetNames() { return {"none", "sway", "swim", "breathe", "twist"}; }
 
 }  // namespace kelp

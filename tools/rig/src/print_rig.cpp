@@ -4,6 +4,7 @@
 #include <locale>
 #include <set>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
 #include "kelp/rig/rig_file.h"
@@ -40,6 +41,10 @@ std::string number(float value, double rest = 0) {
 std::string degrees(float roll) {
   return shortest(rollInDegrees(roll), [&](double back) { return rollOfDegrees(back) == roll; });
 }
+std::string twist(float radians) {
+  return shortest(glm::degrees(static_cast<double>(radians)),
+                  [&](double back) { return static_cast<float>(glm::radians(back)) == radians; });
+}
 
 template <class V>
 std::string vector(const V& v, int components, double rest = 0) {
@@ -73,31 +78,51 @@ std::string join(const std::vector<std::string>& lines, const std::string& inden
   return text;
 }
 
+// rest: 1 for the width of a key, which is kept less 1.
+template <class V>
+std::string width(const V& w, double rest = 0) {
+  return w.x == w.y ? number(w.x, rest) : vector(w, 2, rest);
+}
+
+// The value of a wave or a key. rest: what is not kept of it.
+template <class V>
+std::string valueText(const rig::MovedThing& moved, const V& value, bool slope) {
+  if (moved == rig::kTwist) return twist(value.x);
+  const bool is_factor = (moved == rig::kWidth || moved.target == Target::kPartScale) && !slope;
+  if (moved == rig::kWidth) return width(value, is_factor ? 1 : 0);
+  return vector(value, moved.target == Target::kPartRotation ? 4 : 3, is_factor ? 1 : 0);
+}
+
 std::string knotLine(const RigDescription::Knot& knot) {
   std::string line = "{\"at\": " + number(knot.at);
   if (knot.offset != glm::vec3(0)) line += ", \"offset\": " + vector(knot.offset, 3);
   if (knot.tangent) line += ", \"tangent\": " + vector(*knot.tangent, 3);
+  const RigDescription::Section& section = knot.section;
+  if (section.width != glm::vec2(1)) line += ", \"width\": " + width(section.width);
+  if (section.twist != 0) line += ", \"twist\": " + twist(section.twist);
+  if (section.keep_volume != 0)
+    line += ", \"keep_volume\": " + (section.keep_volume == 1 ? "true" : number(section.keep_volume));
   return line + "}";
 }
 
 std::string waveLine(const RigDescription::Wave& wave) {
-  std::string line = "{\"knot\": " + std::to_string(wave.knot) + ", \"" + rig::wordOf(wave.target) +
-                     "\": " + vector(wave.amplitude, 3) + ", \"period\": " + number(wave.period);
+  const rig::MovedThing moved{wave.target, wave.of_section};
+  std::string line = "{\"knot\": " + std::to_string(wave.knot) + ", \"" + rig::wordOf(moved) +
+                     "\": " + valueText(moved, wave.amplitude, true) + ", \"period\": " + number(wave.period);
   if (wave.phase != 0) line += ", \"phase\": " + number(wave.phase);
   return line + "}";
 }
 
 std::string keyLine(const RigDescription::Track& track, const RigDescription::Key& key,
                     Interpolation by_default) {
-  const int components = track.target == Target::kPartRotation ? 4 : 3;
+  const rig::MovedThing moved{track.target, track.of_section};
   std::string line = "{\"time\": " + number(key.time);
   if (rig::movesKnot(track.target)) line += ", \"knot\": " + std::to_string(track.knot);
-  line += std::string(", \"") + rig::wordOf(track.target) +
-          "\": " + vector(key.value, components, track.target == Target::kPartScale ? 1 : 0);
+  line += std::string(", \"") + rig::wordOf(moved) + "\": " + valueText(moved, key.value, false);
   if (track.interpolation != by_default)
     line += std::string(", \"interpolation\": \"") + rig::wordOf(track.interpolation) + "\"";
-  if (key.in) line += ", \"in\": " + vector(*key.in, components);
-  if (key.out) line += ", \"out\": " + vector(*key.out, components);
+  if (key.in) line += ", \"in\": " + valueText(moved, *key.in, true);
+  if (key.out) line += ", \"out\": " + valueText(moved, *key.out, true);
   return line + "}";
 }
 
@@ -114,9 +139,9 @@ std::string clipText(const RigDescription::Clip& clip) {
   }
   if (!clip.tracks.empty()) {
     std::vector<std::string> lines;
-    std::set<std::pair<Target, int>> seen;
+    std::set<std::tuple<Target, bool, int>> seen;
     for (const auto& track : clip.tracks) {
-      if (!seen.emplace(track.target, track.knot).second)
+      if (!seen.emplace(track.target, track.of_section, track.knot).second)
         throw RigError("clip '" + rig::printable(clip.name) + "': two tracks move the " +
                        rig::wordOf(track.target) + " of knot " + std::to_string(track.knot) +
                        "; the rig language has one list of keys for each: merge them");

@@ -115,11 +115,14 @@ std::vector<RawClip> realizeClips(const RigDescription& rig, std::uint32_t part)
     clip.name = described.name;
     clip.duration = durationOf(described);
     for (const auto& wave : described.waves)
-      clip.waves.push_back({part, static_cast<std::uint32_t>(wave.knot), wave.target,
-                            to_part * wave.amplitude, wave.period, wave.phase});
+      if (!wave.of_section)
+        clip.waves.push_back({part, static_cast<std::uint32_t>(wave.knot), wave.target,
+                              to_part * wave.amplitude, wave.period, wave.phase});
     for (const auto& track : described.tracks)
-      clip.tracks.push_back({part, static_cast<std::uint32_t>(track.knot), track.target, track.interpolation,
-                             realizeKeys(track, to_part)});
+      if (!track.of_section)
+        clip.tracks.push_back({part, static_cast<std::uint32_t>(track.knot), track.target,
+                               track.interpolation, realizeKeys(track, to_part)});
+    if (clip.waves.empty() && clip.tracks.empty()) clips.pop_back();
   }
   return clips;
 }

@@ -2,6 +2,7 @@
 // The words of the rig language and of its messages: names of enums, near misses, printable text.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <set>
@@ -14,6 +15,24 @@
 namespace kelp::rig {
 
 const char* wordOf(Target target);
+// Whatever a wave or a key moves: a target, or of a section width or twist (RigDescription::Wave).
+struct MovedThing {
+  Target target;
+  bool of_section = false;
+  bool operator==(const MovedThing&) const = default;
+};
+inline constexpr MovedThing kWidth{Target::kKnotOffset, true}, kTwist{Target::kKnotTangent, true};
+// Those that waves move first.
+inline constexpr std::array<MovedThing, 7> kMovedThings{{{Target::kKnotOffset},
+                                                         {Target::kKnotTangent},
+                                                         kWidth,
+                                                         kTwist,
+                                                         {Target::kPartTranslation},
+                                                         {Target::kPartRotation},
+                                                         {Target::kPartScale}}};
+inline const char* wordOf(const MovedThing& thing) {
+  return thing == kWidth ? "width" : thing == kTwist ? "twist" : wordOf(thing.target);
+}
 const char* wordOf(Interpolation interpolation);
 std::optional<Interpolation> interpolationOf(std::string_view word);
 inline bool movesKnot(Target target) {

@@ -30,11 +30,19 @@ glm::mat3 axisRotation(Axis axis);
 
 // A rig in the artist's own units: vectors in the artist's axes, 1 = the source's extent along the axis.
 struct RigDescription {
+  // How a section across the axis differs from a straight part's; linear between knots.
+  struct Section {
+    glm::vec2 width{1};     // factors along the two axes across, in the order x, y, z
+    float twist = 0;        // radians, about the axis by the right hand
+    float keep_volume = 0;  // 0 to 1
+    bool operator==(const Section&) const = default;
+  };
   struct Knot {
     float at = 0;
     glm::vec3 offset{0};
     // dS/d(at); automatic (Catmull-Rom over the knots' rest positions) if absent
     std::optional<glm::vec3> tangent;
+    Section section{};
     bool operator==(const Knot&) const = default;
   };
   struct Wave {
@@ -43,6 +51,8 @@ struct RigDescription {
     glm::vec3 amplitude{0};
     float period = 1;
     float phase = 0;
+    // Moves the section: kKnotOffset its width (x, y), kKnotTangent its twist (x).
+    bool of_section = false;
     bool operator==(const Wave&) const = default;
   };
   struct Key {
@@ -58,6 +68,7 @@ struct RigDescription {
     Target target = Target::kKnotOffset;
     Interpolation interpolation = Interpolation::kLinear;
     std::vector<Key> keys;
+    bool of_section = false;  // as in Wave; widths are less 1
     bool operator==(const Track&) const = default;
   };
   struct Clip {
@@ -130,9 +141,10 @@ RigDescription parseRig(std::string_view text);
 std::string printRig(const RigDescription& rig);
 
 // The presets: "none" (straight, no clips), "sway" (a plant: the upper end moves), "swim" (a fish: a wave
-// runs down three knots). nullopt: no such preset. Presets move at right angles to `axis`, so give the axis
-// here and do not change it afterwards. Absent: `up`, and for swim -z, from the head to the tail of a fish
-// that faces +z as in glTF. `up` is the file's axis that points up, +y if absent.
+// runs down three knots), "breathe" (the middle widens), "twist" (the end turns). nullopt: no such preset.
+// Presets move at right angles to `axis`, so give the axis here and do not change it afterwards. Absent:
+// `up`, and for swim -z, from the head to the tail of a fish that faces +z as in glTF. `up` is the file's
+// axis that points up, +y if absent.
 std::optional<RigDescription> presetRig(std::string_view name, std::optional<Axis> axis = std::nullopt,
                                         std::optional<Axis> up = std::nullopt);
 std::vector<std::string> presetNames();
@@ -162,6 +174,12 @@ std::vector<std::pair<std::uint32_t, RawClip>> splitByPart(const RawClip& clip);
 // `axis` is the part's axis in the artist's axes.
 RigDescription describeRig(const RestRig& rest, std::span<const RawClip> clips, std::uint32_t part,
                            Axis axis = Axis::kPlusY, std::span<const RawSocket> sockets = {});
+
+// True if knots or clips widen or turn sections.
+bool hasSections(const RigDescription& rig);
+// The rig of the empty part that says a part's sections (Part::sections), and back.
+RigDescription sectionRig(const RigDescription& rig);
+void addSections(const RigDescription& of_sections, RigDescription& rig);
 
 // The corner of a section in the artist's axes: "-x-z". corner: bit 0: towards the part's +x, bit 1: its +z.
 std::string cornerName(int corner, Axis axis);

@@ -47,7 +47,8 @@ struct RiggedPack {
   bool skinned = false;     // a skin moves its parts; only these have a rig of their own, from a rig file:
   std::vector<bool> given;  // of each part; without a skin, all but sides
   // Of each part: if it is a side of another, that part and the corner, as cornerName(); -1: of those left
-  // out.
+  // out; kSections: if it says the sections of that part.
+  static constexpr int kSections = -2;
   struct Side {
     std::uint32_t of = 0;
     int corner = -1;

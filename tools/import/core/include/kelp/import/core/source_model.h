@@ -176,6 +176,7 @@ struct SourcePart {
   std::optional<VoxelGrid> grid;
   std::optional<FogGrid> fog;  // likewise; never both
   bool carries = false;        // another part hangs on its spline
+  int sections = -1;           // as Part::sections
 
   bool isVolume() const { return grid || fog; }
   bool isEmpty() const { return grid && grid->solid.empty(); }
