@@ -382,7 +382,8 @@ TEST(ImportRig, FileBeatsPresetBeatsNeighborBeatsKnots) {
   refusal(reed.scratch().folder() / "reed.gltf", Exit::kUsage, settings);
   settings.rig_file = "swya";  // what a typing error in a preset's name comes out as
   const std::string message = refusal(reed.scratch().folder() / "reed.gltf", Exit::kIo, settings);
-  EXPECT_TRUE(contains(message, "swya: ") && contains(message, "none, sway, swim")) << message;
+  EXPECT_TRUE(contains(message, "swya: ") && contains(message, "none, sway, swim, breathe, twist"))
+      << message;
 }
 
 TEST(ImportRig, AnAxisIsForRigsThatNameNone) {

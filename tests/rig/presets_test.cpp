@@ -11,7 +11,7 @@ namespace kelp {
 namespace {
 
 TEST(Presets, AreMonotoneSidewaysAndSeamless) {
-  EXPECT_EQ(presetNames(), (std::vector<std::string>{"none", "sway", "swim"}));
+  EXPECT_EQ(presetNames(), (std::vector<std::string>{"none", "sway", "swim", "breathe", "twist"}));
   EXPECT_FALSE(presetRig("walk"));
   for (const std::string& name : presetNames()) {
     for (const auto axis : {std::optional<Axis>{}, std::optional(Axis::kPlusX), std::optional(Axis::kMinusY),
@@ -25,7 +25,8 @@ TEST(Presets, AreMonotoneSidewaysAndSeamless) {
       const glm::ivec3 size(30, 100, 40);
       const RawRig rest{realizeKnots(*rig), automaticTangents(*rig)};
       const auto clips = realizeClips(*rig, 0);
-      EXPECT_EQ(clips.empty(), name == "none");
+      EXPECT_EQ(hasSections(*rig), name == "breathe" || name == "twist");
+      EXPECT_EQ(clips.empty(), name == "none" || hasSections(*rig));
       for (const RawClip& clip : clips) {
         EXPECT_EQ(clip.name, name);
         for (const Wave& wave : clip.waves) {

@@ -43,7 +43,7 @@ TEST(RigSchema, AcceptsTheExamplesOfItsPage) {
     }
     ++examples;
   }
-  EXPECT_EQ(examples, 8);
+  EXPECT_EQ(examples, 9);
 }
 
 TEST(RigSchema, AgreesWithTheParser) {
@@ -56,6 +56,9 @@ TEST(RigSchema, AgreesWithTheParser) {
       R"({"kelp": 1, "parts": {"a": {"bend": "cage", "cell": 2, "roll": 9}}})",
       R"({"kelp": 1, "cell": 4, "sides": {"-x-z": {}, "+x+y": {"knots": [{"at": 0}, {"at": 1}]}}})",
       R"({"kelp": 1, "parts": {"a": {"bend": "cage", "cell": 4, "sides": {"+y-z": {}}}}})",
+      R"({"kelp": 1, "knots": [{"at": 0, "width": 2, "twist": -400}, {"at": 1, "width": [0.5, 1], "keep_volume": true}]})",
+      R"({"kelp": 1, "clips": {"a": {"waves": [{"knot": 0, "width": [0.1, -3], "period": 1}, {"knot": 1, "twist": 4, "period": 1}]}}})",
+      R"({"kelp": 1, "clips": {"a": {"duration": 1, "interpolation": "cubic", "keys": [{"time": 0, "knot": 0, "width": 0, "in": [1, 2]}, {"time": 1, "knot": 1, "twist": 90, "out": -1}]}}})",
   };
   for (const char* text : kTakenByBoth) {
     EXPECT_TRUE(parses(text)) << text;
@@ -86,6 +89,12 @@ TEST(RigSchema, AgreesWithTheParser) {
       R"({"kelp": 1, "parts": {"a": {"bend": "shear", "cell": 8}}})",
       R"({"kelp": 1, "parts": {"a": {}}, "bend": "cage", "cell": 8})",
       R"({"kelp": 1, "sides": {}})",
+      R"({"kelp": 1, "knots": [{"at": 0, "width": 0}, {"at": 1}]})",
+      R"({"kelp": 1, "knots": [{"at": 0, "width": [1, 1, 1]}, {"at": 1}]})",
+      R"({"kelp": 1, "knots": [{"at": 0, "twist": [1]}, {"at": 1}]})",
+      R"({"kelp": 1, "knots": [{"at": 0, "keep_volume": 2}, {"at": 1}]})",
+      R"({"kelp": 1, "clips": {"a": {"waves": [{"knot": 0, "width": 1, "twist": 1, "period": 1}]}}})",
+      R"({"kelp": 1, "clips": {"a": {"keys": [{"time": 1, "width": 1}]}}})",
       R"({"kelp": 1, "sides": {"+x": {}}})",
       R"({"kelp": 1, "sides": {"+x-z": {"axis": "+y"}}})",
       R"({"kelp": 1, "sides": {"+x-z": {"knots": [{"at": 0}]}}})",

@@ -44,6 +44,33 @@ void checkSections(const std::filesystem::path& input, const SourcePart& part) {
                             part.rig.caged ? ";" : ""));
 }
 
+// A notice for the first section that a clip may narrow to nothing.
+void noteCollapse(const SourcePart& part, Report& report) {
+  for (const RigDescription::Clip& clip : part.rig.clips) {
+    for (std::size_t knot = 0; knot < part.rig.knots.size(); ++knot) {
+      glm::vec2 least = part.rig.knots[knot].section.width;
+      const auto isWidth = [&](const auto& mover) {
+        return mover.of_section && mover.target == Target::kKnotOffset &&
+               static_cast<std::size_t>(mover.knot) == knot;
+      };
+      for (const RigDescription::Wave& wave : clip.waves)
+        if (isWidth(wave)) least -= glm::abs(glm::vec2(wave.amplitude));
+      for (const RigDescription::Track& track : clip.tracks) {
+        glm::vec2 lowest(0);
+        if (isWidth(track))
+          for (const RigDescription::Key& key : track.keys) lowest = glm::min(lowest, glm::vec2(key.value));
+        least += lowest;
+      }
+      if (least.x > 0 && least.y > 0) continue;
+      report.notices.push_back(fmt::format(
+          "part '{}', clip '{}': the section at knot {} may collapse to nothing, and is not drawn "
+          "then; make its waves or keys smaller",
+          part.name, clip.name, knot));
+      return;
+    }
+  }
+}
+
 SourcePart sidePart(const SourcePart& body, const Frame& frame, const std::string& name, RigDescription rig) {
   SourcePart side;
   side.name = body.name + " " + name;
@@ -120,6 +147,7 @@ std::vector<Influences> followSides(const RawPart& part, int levels,
 }
 
 void noteCrossings(const SourceModel& model, const Sides& sides, const RawPack& pack, Report& report) {
+  for (const SourcePart& part : model.parts) noteCollapse(part, report);
   for (const auto& [part, followed] : sides) {
     std::array<RawRig, 4> rests;
     for (std::size_t corner = 0; corner < 4; ++corner) {

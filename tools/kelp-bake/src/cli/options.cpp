@@ -117,7 +117,7 @@ void addModelOptions(Adder& add, bake::Settings& settings, Options& options) {
              number(settings.pad));
   add.heading("Bending");
   add.option(
-      "--rig", "FILE|none|sway|swim|skin",
+      "--rig", "FILE|none|sway|swim|breathe|twist|skin",
       "a rig file (JSON; \"parts\": one rig for each part), a preset, or skin: the file's skin (default: "
       "STEM.rig.json beside the input, or else the rig or the skin in the file)",
       rig(settings));
