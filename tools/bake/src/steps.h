@@ -80,7 +80,8 @@ Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesy
 // What the nodes of a part's finest cage follow: bilinear between the corners.
 std::vector<Influences> followSides(const RawPart& part, int levels,
                                     const std::array<std::uint32_t, 4>& followed);
-// A notice for each part whose sides cross, or whose sections a clip may narrow to nothing. `pack`: has its rigs.
+// A notice for each part whose sides cross, or whose sections a clip may narrow to nothing. `pack`: has its
+// rigs.
 void noteCrossings(const SourceModel& model, const Sides& sides, const RawPack& pack, Report& report);
 
 // ToolError for parts that cannot have the cages that their rigs or the settings ask for. `pack`: has the
