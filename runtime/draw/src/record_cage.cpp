@@ -2,8 +2,8 @@
 #include "record_cage.h"
 
 #include <bit>
-
 #include <cstring>
+
 #include <glm/common.hpp>
 
 namespace kelp::draw {
