@@ -36,8 +36,15 @@ TWO, FIVE = [{"at": 0}, {"at": 1}], [{"at": at} for at in (0, 0.25, 0.5, 0.75, 1
 # With ends that stay upright, whatever moves.
 UPRIGHT = [{"at": at, "tangent": [0, 1, 0]} for at in (0, 1)]
 
-# Sheet: title, note, and rows of tiles: what is written below, knots, clips, and the clip and second that are
-# shown.
+# Sides of a slab: a third of tangents of the paper's Figure 6 on one edge, and others on the rest.
+PAPER = {"knots": [{"at": 0, "tangent": [1, 0, 0.33]}, {"at": 1, "tangent": [1, 0, 0.67]}]}
+LEAN = {"knots": [{"at": 0}, {"at": 1, "offset": [-0.25, -0.12, 0.1], "tangent": [-0.5, 0.8, 0.3]}]}
+BOW = {"knots": [{"at": 0}, {"at": 0.5, "offset": [0.2, 0, 0.1]}, {"at": 1, "offset": [0, 0.15, 0]}],
+       "clips": {"flap": {"waves": [{"knot": 2, "offset": [0.3, 0, -0.1], "period": 4}]}}}
+FOUR = {"-x-z": {}, "+x-z": PAPER, "-x+z": LEAN, "+x+z": BOW}
+
+# Sheet: title, note, and rows of tiles: what is written below, knots (or sides), clips, and the clip and
+# second that are shown.
 SHEETS = {
     "rig_knots": ("knots", "the rig at rest", [[
         ("two knots, straight", TWO, {}, None), ("offset (0.2, 0, 0) at 0.5", BEND, {}, None),
@@ -47,6 +54,11 @@ SHEETS = {
         [("a wave, period 4, at %d s" % t, UPRIGHT, SWAY, ("sway", t)) for t in range(4)],
         [("a wave that runs, at %d s" % t, FIVE, RUN, ("run", t)) for t in range(4)],
         [("cubic keys, at %g s" % t, UPRIGHT, NOD, ("nod", t)) for t in (0, 0.5, 1, 2)]]),
+    "rig_sides": ("sides", "a slab whose four edges have splines of their own", [[
+        ("straight", {"-x+z": {}}, {}, None),
+        ("one edge, level at its ends", {"+x+z": PAPER}, {}, None),
+        ("four edges", FOUR, {}, None),
+        ("the same in a clip", FOUR, {}, ("flap", 1))]]),
 }
 
 
@@ -79,8 +91,21 @@ def write_post(path, knots):
     write_boxes(path, boxes)
 
 
+def write_slab(path):
+    """A slab of moss and fern, chequered, with yellow edges."""
+    boxes = []
+    for i in range(6):
+        for j in range(10):
+            low = (-0.3 + 0.1 * i, 0.1 * j, -0.15)
+            boxes.append((low, (low[0] + 0.1, low[1] + 0.1, 0.15), (MOSS, FERN)[(i + j) % 2]))
+    for x in (-0.31, 0.28):
+        for z in (-0.16, 0.13):
+            boxes.append(((x, 0, z), (x + 0.03, 1, z + 0.03), YELLOW))
+    write_boxes(path, boxes)
+
+
 def main():
-    parser = figures.Parser(description="Draws rig_knots.png and rig_clips.png in the folder --out.")
+    parser = figures.Parser(description="Draws rig_knots.png, rig_clips.png and rig_sides.png in --out.")
     parser.add_argument("--bin", required=True, help="the folder of kelp-bake and kelp-render")
     parser.add_argument("--out", required=True, help="the folder for packs, tiles and the sheets")
     parser.add_argument("--tile", type=int, default=210, help="the width of a tile in pixels")
@@ -96,12 +121,17 @@ def main():
         for row, tiles in enumerate(rows):
             for column, (label, knots, clips, moment) in enumerate(tiles):
                 own = "%s_%d%d" % (name, row, column)
-                write_post(studio.path(own + ".obj"), knots)
+                rig, yaw = {"kelp": 1, "knots": knots, "clips": clips}, 12
+                if isinstance(knots, dict):
+                    rig, yaw = {"kelp": 1, "sides": knots, "cell": 4}, 30
+                    write_slab(studio.path(own + ".obj"))
+                else:
+                    write_post(studio.path(own + ".obj"), knots)
                 with open(studio.path(own + ".rig.json"), "w", encoding="ascii") as file:
-                    json.dump({"kelp": 1, "knots": knots, "clips": clips}, file)
+                    json.dump(rig, file)
                 pack = studio.bake(studio.path(own + ".obj"), own)
                 play = ["--clip", moment[0], "--time", moment[1]] if moment else []
-                file = studio.render(own, tile, pack, "--yaw", 12, "--pitch", 8, "--background",
+                file = studio.render(own, tile, pack, "--yaw", yaw, "--pitch", 8, "--background",
                                      "214,221,229:250,250,249", *play, "--and", floor)
                 sheet.place(column, row, file, label)
         png.write(studio.path(name + ".png"), sheet.picture)

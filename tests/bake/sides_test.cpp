@@ -22,15 +22,20 @@ const glm::ivec3 kSlab(48, 96, 24);  // voxels
 
 struct Knots {
   struct Knot {
-    double at;
-    dvec3 offset, tangent;
+    double at = 0;
+    dvec3 offset{0}, tangent{0, 1, 0};
     // The amplitudes of waves with this period.
     dvec3 wave{0}, turn{0};
   };
-  std::vector<Knot> knots{{0, {0, 0, 0}, {0, 1, 0}}, {1, {0, 0, 0}, {0, 1, 0}}};
+  std::vector<Knot> knots = straight();
   double period = 2, phase = 0;
   bool given = true;
 
+  static std::vector<Knot> straight() {
+    std::vector<Knot> two(2);
+    two[1].at = 1;
+    return two;
+  }
   static std::string text(const dvec3& v) { return fmt::format("[{},{},{}]", v.x, v.y, v.z); }
   std::string json() const {
     std::string knot_text, waves;

@@ -153,6 +153,56 @@ TEST_F(SavedParts, NodesOfAGltfFile) {
               {"base", "tail", "blade"});
 }
 
+// A side is edited as the part that it is in the pack, and saved in the rig of the part that has it.
+TEST_F(SavedParts, SidesAreSavedInTheRigOfTheirPart) {
+  const std::string sides =
+      R"("axis": "+z", "sides": {"+x-y": {}, "-x+y": {"knots": [{"at": 0}, {"at": 1}]}})";
+  for (const bool alone : {false, true}) {
+    const std::string source = scratch_ / "wall.vox", saved = scratch_ / "wall.rig.json";
+    scratch_.write("wall.vox", hero(alone ? std::vector<std::string>{"wall"} : kHero, 7));
+    const std::string name = alone ? "wall" : "head";
+    scratch_.write("wall.rig.json", alone ? "{\"kelp\": 1, " + sides + "}"
+                                          : "{\"kelp\": 1, \"parts\": {\"head\": {" + sides + "}}}");
+    const std::vector<std::string> options =
+        alone ? std::vector<std::string>{} : std::vector<std::string>{"--parts", "nodes"};
+    const std::string first = bake(source, options);
+    const MemorySource memory(std::as_bytes(std::span(first)));
+    const auto pack = Pack::open(memory.source());
+    ASSERT_TRUE(pack);
+    RigEditor editor(*pack);
+    const auto partNamed = [&](const std::string& wanted) {
+      for (int part = 0; part < editor.parts(); ++part)
+        if (editor.name(part) == wanted) return part;
+      ADD_FAILURE() << wanted;
+      return 0;
+    };
+    const int body = partNamed(name), side = partNamed(name + " -x+y"), own = partNamed(name + " own");
+    ASSERT_EQ(editor.pull({side, 1, Handle::Kind::kKnot}, {0.1f, 0.05f, 0}), "");
+    editor.endGesture();
+    EXPECT_NE(editor.pull({own, 1, Handle::Kind::kKnot}, {0.1f, 0, 0}).find("'" + name + "'"),
+              std::string::npos);
+    ASSERT_EQ(editor.pull({body, 1, Handle::Kind::kKnot}, {0, 0.1f, 0.07f}), "");
+    editor.endGesture();
+    EXPECT_EQ(editor.rig(own).knots, editor.rig(body).knots) << "what is shown is what is baked";
+    saveRig(saved, editor, side);
+    EXPECT_TRUE(editor.unsaved());
+    editor.markSaved(side);
+    EXPECT_FALSE(editor.unsaved());
+    const RigFile file = parseRigFile(test::readWhole(saved));
+    EXPECT_EQ(file.parts.size(), alone ? 0u : 1u);
+    EXPECT_EQ((alone ? file.whole : file.parts.at(0).rig).sides.size(), 2u);
+
+    const std::string again = bake(source, options);
+    EXPECT_NE(again, first);
+    const MemorySource changed(std::as_bytes(std::span(again)));
+    const auto after = Pack::open(changed.source());
+    ASSERT_TRUE(after);
+    EXPECT_TRUE(editor.isIn(*after));
+    EXPECT_TRUE(editor.follow(*after));
+    EXPECT_FALSE(editor.unsaved());
+  }
+}
+
 TEST(SaveRig, OfOnePartTheFileIsTheRigItself) {
   const test::Scratch scratch;
   const std::string path = scratch / "reed.rig.json";

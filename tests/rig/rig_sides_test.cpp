@@ -8,15 +8,6 @@
 namespace kelp {
 namespace {
 
-std::string errorOf(const std::string& text) {
-  try {
-    parseRig(text);
-    return "";
-  } catch (const RigError& error) {
-    return error.what();
-  }
-}
-
 const std::string kSlab = R"({
   "kelp": 1,
   "axis": "+x",
@@ -91,7 +82,7 @@ TEST(ParseSides, ErrorsNameThePlaceAndTheRemedy) {
     for (const std::string& words : says)
       EXPECT_NE(error.find(words), std::string::npos) << "'" << words << "' is not in: " << error;
   }
-  EXPECT_EQ(errorOf(R"({"kelp": 1, "cell": 8, "sides": {"+x-z": {}}})"), "");
+  EXPECT_NO_THROW(parseRig(R"({"kelp": 1, "cell": 8, "sides": {"+x-z": {}}})"));
 }
 
 TEST(ParseSides, CornersFollowTheirPartsAndOthersTheLast) {

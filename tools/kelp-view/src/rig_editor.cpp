@@ -39,6 +39,29 @@ void RigEditor::load(const Pack& pack) {
   }
 }
 
+int RigEditor::partInFile(int part) const {
+  const auto& side = rigged_.sides[static_cast<std::size_t>(part)];
+  return side ? static_cast<int>(side->of) : part;
+}
+
+RigDescription RigEditor::rigInFile(int part) const {
+  const auto of = static_cast<std::uint32_t>(partInFile(part));
+  RigDescription all = now_.rigs[of];
+  for (std::size_t other = 0; other < now_.rigs.size(); ++other)
+    if (const auto& side = rigged_.sides[other];
+        side && side->of == of && side->corner == RiggedPack::kSections)
+      addSections(now_.rigs[other], all);
+    else if (side && side->of == of && side->corner >= 0)
+      all.sides.push_back(
+          {cornerName(side->corner, rigged_.axes[of]), now_.rigs[other].knots, now_.rigs[other].clips});
+  return all;
+}
+
+void RigEditor::markSaved(int part) {
+  for (int other = 0; other < parts(); ++other)
+    if (partInFile(other) == partInFile(part)) saved_[static_cast<std::size_t>(other)] = rig(other);
+}
+
 void RigEditor::remember() {
   if (!in_gesture_) {
     undo_.push_back(now_);
@@ -50,8 +73,14 @@ void RigEditor::remember() {
 
 std::string RigEditor::change(int part, const RigDescription& wanted) {
   if (wanted == rig(part)) return {};
+  const auto changed = static_cast<std::size_t>(part);
+  if (rigged_.sides[changed] && rigged_.sides[changed]->corner == -1)
+    return "it moves as '" + name(partInFile(part)) + "' does: change that";
   State next{now_.rigs, {}};
-  next.rigs[static_cast<std::size_t>(part)] = wanted;
+  next.rigs[changed] = wanted;
+  for (std::size_t other = 0; other < next.rigs.size(); ++other)
+    if (rigged_.sides[other] == RiggedPack::Side{static_cast<std::uint32_t>(part), -1})
+      next.rigs[other] = ownSide(wanted);
   try {
     // A rig that the file could not hold is refused now, with the baker's words.
     (void)parseRig(printRig(wanted));

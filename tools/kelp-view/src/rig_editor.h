@@ -17,6 +17,9 @@ class RigEditor {
   const RigAxes& axes(int part) const { return axes_[static_cast<std::size_t>(part)]; }
   // The parts as rig files see them.
   const RiggedPack& rigged() const { return rigged_; }
+  // Rig files have sides in the rig of their part: that part, and its rig with all of them.
+  int partInFile(int part) const;
+  RigDescription rigInFile(int part) const;
   const PackRig& realized() const { return now_.realized; }
   int revision() const { return revision_; }  // changes with every edit
 
@@ -37,7 +40,7 @@ class RigEditor {
 
   bool unsaved() const;  // any part
   bool unsaved(int part) const { return rig(part) != saved_[static_cast<std::size_t>(part)]; }
-  void markSaved(int part) { saved_[static_cast<std::size_t>(part)] = rig(part); }
+  void markSaved(int part);  // and what is in the same rig of the file
 
   // Call it when the pack was baked again: unsaved changes are kept. False: the pack has other parts now, and
   // the changes are lost.

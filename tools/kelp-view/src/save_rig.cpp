@@ -25,7 +25,8 @@ std::optional<RigFile> readRigs(const std::string& path) {
   return parseRigFile(std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()});
 }
 
-RigFile merged(std::optional<RigFile> old, const RigEditor& editor, int part) {
+RigFile merged(std::optional<RigFile> old, const RigEditor& editor, int of) {
+  const int part = editor.partInFile(of);
   RigFile file;
   if (old) {
     if (old->parts.empty())
@@ -39,9 +40,9 @@ RigFile merged(std::optional<RigFile> old, const RigEditor& editor, int part) {
   const auto its = std::find_if(file.parts.begin(), file.parts.end(),
                                 [&](const RigFile::PartRig& rig) { return rig.name == editor.name(part); });
   if (its == file.parts.end())
-    file.parts.push_back({editor.name(part), editor.rig(part)});
+    file.parts.push_back({editor.name(part), editor.rigInFile(part)});
   else
-    its->rig = editor.rig(part);
+    its->rig = editor.rigInFile(part);
   return file;
 }
 
@@ -66,7 +67,7 @@ void saveRig(const std::string& path, const RigEditor& editor, int part) {
       text = printRigFile(merged(readRigs(path), editor, part));
       (void)parseRigFile(text);  // a pack of another program may have names that no rig file has
     } else {
-      text = wholeText(path, editor.rig(part));
+      text = wholeText(path, editor.rigInFile(part));
     }
   } catch (const RigError& error) {
     throw ToolError(Exit::kInvalid, path + ": " + error.what());

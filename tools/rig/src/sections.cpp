@@ -89,12 +89,22 @@ RigDescription sectionRig(const RigDescription& rig) {
 
 void addSections(const RigDescription& of_sections, RigDescription& rig) {
   const bool swapped = swaps(rig);
+  const auto sectionOf = [&](const RigDescription::Knot& knot) {
+    const glm::vec3 tangent = knot.tangent.value_or(glm::vec3(0, 1, 0));
+    return RigDescription::Section{widthOf(knot.offset, swapped) + 1.0f, tangent.x,
+                                   glm::clamp(tangent.z, 0.0f, 1.0f)};
+  };
+  // Knots of the part that the sections do not have lie between two of theirs.
   for (RigDescription::Knot& knot : rig.knots) {
-    const auto found = std::find_if(of_sections.knots.begin(), of_sections.knots.end(),
-                                    [&](const auto& its) { return its.at == knot.at; });
-    if (found == of_sections.knots.end()) continue;
-    const glm::vec3 tangent = found->tangent.value_or(glm::vec3(0, 1, 0));
-    knot.section = {widthOf(found->offset, swapped) + 1.0f, tangent.x, glm::clamp(tangent.z, 0.0f, 1.0f)};
+    const auto high = std::find_if(of_sections.knots.begin(), of_sections.knots.end(),
+                                   [&](const auto& its) { return its.at >= knot.at; });
+    if (high == of_sections.knots.end()) continue;
+    knot.section = sectionOf(*high);
+    if (high->at == knot.at || high == of_sections.knots.begin()) continue;
+    const RigDescription::Section above = knot.section, below = sectionOf(*(high - 1));
+    const float share = (knot.at - (high - 1)->at) / (high->at - (high - 1)->at);
+    knot.section = {glm::mix(below.width, above.width, share), glm::mix(below.twist, above.twist, share),
+                    glm::mix(below.keep_volume, above.keep_volume, share)};
   }
   for (const RigDescription::Clip& clip : of_sections.clips) {
     auto same = std::find_if(rig.clips.begin(), rig.clips.end(),

@@ -61,7 +61,8 @@ Exit runRig(const RigOptions& options) {
                                   file.path()));
     print(partRigs(file, rigged));
   } else {
-    const std::uint32_t index = file.partOrFirst(options.part);
+    // If the rest are its sides, nobody need choose.
+    const std::uint32_t index = options.part.empty() && !rigged.by_part ? 0 : file.partOrFirst(options.part);
     print(partRig(file, rigged, index, axis.value_or(rigged.axes[index])));
   }
   return Exit::kOk;
