@@ -53,7 +53,10 @@ Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesy
   std::vector<SourcePart> added;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     const SourcePart& body = model.parts[i];
-    if (body.rig.sides.empty()) continue;
+    // A skin has not taken the rig by its name.
+    const RigDescription* const named =
+        body.skin && model.outer ? model.outer->file.find(body.name) : nullptr;
+    if ((named ? *named : body.rig).sides.empty()) continue;
     checkBody(input, body);
     try {
       SideRigs rigs = sideRigs(body.rig);
