@@ -92,12 +92,16 @@ Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesy
   std::vector<SourcePart> added;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     SourcePart& body = model.parts[i];
-    if (hasSections(body.rig) && body.sections < 0) {
+    // A skin has not taken the rig by its name.
+    const RigDescription* const named =
+        body.skin && model.outer ? model.outer->file.find(body.name) : nullptr;
+    const RigDescription& rig = named ? *named : body.rig;
+    if (hasSections(rig) && body.sections < 0) {
       checkSections(input, body);
       body.sections = static_cast<int>(model.parts.size() + added.size());
-      added.push_back(sidePart(body, frames[i], "sections", sectionRig(body.rig)));
+      added.push_back(sidePart(body, frames[i], "sections", sectionRig(rig)));
     }
-    if (body.rig.sides.empty()) continue;
+    if (rig.sides.empty()) continue;
     checkBody(input, body);
     try {
       SideRigs rigs = sideRigs(body.rig);
