@@ -11,6 +11,7 @@
 #include "baked_asset.h"
 #include "import_scratch.h"
 #include "kelp/rig/rig_file.h"
+#include "support/assets.h"
 
 namespace kelp::bake::test {
 namespace {
@@ -129,17 +130,20 @@ std::string slab(const dvec3& size = {0.5, 1, 0.25}) {
 
 class Sides : public ::testing::Test {
  protected:
-  BakedAsset baked(const std::string& rig, const std::string& model = slab(), int resolution = 96) {
+  BakedAsset baked(const std::string& rig, const std::string& model = slab(), int pad = 0) {
     Settings settings;
     settings.rig_file = scratch_.write("slab.json", rig);
     settings.cell = kCell;
-    return BakedAsset(scratch_.write("slab.obj", model), settings, resolution);
+    settings.pad = pad;
+    return BakedAsset(scratch_.write("slab.obj", model), settings, 96);
   }
-  std::string refusalOf(const std::string& rig) {
+  std::string refusalOf(const std::string& rig, const std::filesystem::path& model = {}) {
     try {
-      baked(rig);
+      Settings settings;
+      settings.rig_file = scratch_.write("slab.json", rig);
+      BakedAsset(model.empty() ? scratch_.write("slab.obj", slab()) : model, settings, 32);
     } catch (const ToolError& error) {
-      EXPECT_EQ(error.exit, Exit::kInvalid) << error.what();
+      EXPECT_EQ(error.exit, model.empty() ? Exit::kInvalid : Exit::kUnsupported) << error.what();
       return error.what();
     }
     ADD_FAILURE() << "taken: " << rig;
@@ -385,6 +389,24 @@ TEST_F(Sides, WhatCannotBeIsRefused) {
   const std::string sinks = R"({"clips":{"sink":{"waves":[{"knot":1,"offset":[0,-2,0],"period":1}]}}})";
   const std::string says = refusalOf(R"({"kelp":1,"sides":{"+x-z":)" + sinks + "}}");
   EXPECT_TRUE(contains(says, "'slab +x-z'") && contains(says, "sinks")) << says;
+}
+
+// Fog: tests/cli/kelp_bake_volumes_test.py.
+TEST_F(Sides, SkinsAndEmptyPartsHaveNone) {
+  KELP_ASSET(path, "gltf/skinned/rigged_simple.gltf");
+  const BakedAsset skin(path, {}, 32);
+  const auto sidesOf = [&](std::size_t part) {
+    return refusalOf(
+        R"({"kelp":1,"parts":{")" + skin.pack().parts[part].name + R"(":{"sides":{"-x-z":{}}}}})", path);
+  };
+  EXPECT_TRUE(contains(sidesOf(0), "/sides: the part bends as the joints of its skin move"));
+  EXPECT_TRUE(contains(sidesOf(1), "/sides: the part is empty"));
+}
+
+// The rig's unit is the height of the model, padded or not.
+TEST_F(Sides, PaddingLeavesTheHeight) {
+  const BakedAsset padded = baked(rigOf(paperAndOthers()), slab(), 4);
+  for (const RawPart& part : padded.pack().parts) EXPECT_EQ(part.size, kSlab + glm::ivec3(8, 0, 8));
 }
 
 }  // namespace

@@ -115,6 +115,8 @@ class Volumes(unittest.TestCase):
             rig = self.write("swept.rig.json", '{"kelp": 1, "bend": "sweep"}')
             part, _ = self.bakes(fog, "--rig", rig)
             self.assertEqual((part["bend"], part["fill"]), ("sweep", "fog"))
+            rig = self.write("sides.rig.json", '{"kelp": 1, "axis": "+y", "sides": {"-x-z": {}}}')
+            self.refused(5, fog, "--rig", rig, says=["/sides", "is fog", "take \"sides\" out"])
             part, _ = self.bakes(solid, "--bend", "sweep")
             self.assertEqual(part["bend"], "sweep")
             self.bakes(fog, "--volume", "fog", "--density", "1")

@@ -97,7 +97,10 @@ Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesy
       body.sections = static_cast<int>(model.parts.size() + added.size());
       added.push_back(sidePart(body, frames[i], "sections", sectionRig(body.rig)));
     }
-    if (body.rig.sides.empty()) continue;
+    // A skin has not taken the rig by its name.
+    const RigDescription* const named =
+        body.skin && model.outer ? model.outer->file.find(body.name) : nullptr;
+    if ((named ? *named : body.rig).sides.empty()) continue;
     checkBody(input, body);
     try {
       SideRigs rigs = sideRigs(body.rig);
