@@ -95,13 +95,13 @@ Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesy
     // A skin has not taken the rig by its name.
     const RigDescription* const named =
         body.skin && model.outer ? model.outer->file.find(body.name) : nullptr;
-    const RigDescription& rig = named ? *named : body.rig;
-    if (hasSections(rig) && body.sections < 0) {
+    const RigDescription& asked = named ? *named : body.rig;
+    if (hasSections(asked) && body.sections < 0) {
       checkSections(input, body);
       body.sections = static_cast<int>(model.parts.size() + added.size());
-      added.push_back(sidePart(body, frames[i], "sections", sectionRig(rig)));
+      added.push_back(sidePart(body, frames[i], "sections", sectionRig(asked)));
     }
-    if (rig.sides.empty()) continue;
+    if (asked.sides.empty()) continue;
     checkBody(input, body);
     try {
       SideRigs rigs = sideRigs(body.rig);
