@@ -33,15 +33,14 @@ void checkBody(const std::filesystem::path& input, const SourcePart& part) {
 }
 
 void checkSections(const std::filesystem::path& input, const SourcePart& part) {
-  const char* const wrong = part.fog          ? "is fog, which has no cage"
-                            : part.skin       ? "bends as the joints of its skin move"
-                            : part.isEmpty()  ? "is empty, and has no sections"
+  const char* const wrong = part.fog          ? "is fog, which has no cage;"
+                            : part.skin       ? "bends as the joints of its skin move;"
+                            : part.isEmpty()  ? "is empty, and has no sections;"
                             : !part.rig.caged ? "is not bent by a cage; write \"bend\": \"cage\", or"
                                               : nullptr;
   if (wrong)
     refuseSides(input, part, Exit::kUnsupported,
-                fmt::format("the part {}{} take \"width\", \"twist\" and \"keep_volume\" out", wrong,
-                            part.rig.caged ? ";" : ""));
+                fmt::format("the part {} take \"width\", \"twist\" and \"keep_volume\" out", wrong));
 }
 
 // A notice for the first section that a clip may narrow to nothing.
