@@ -49,7 +49,7 @@ struct Sections : ::testing::Test {
       expect(rest, now, rest.y / part.size.y);
     }
   }
-  ImportScratch scratch;
+  const Scratch scratch;
 };
 
 TEST_F(Sections, AreAsTheRigSays) {
