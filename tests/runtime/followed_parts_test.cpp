@@ -43,9 +43,9 @@ struct Puppet {
       for (int column = 0; column < 4; ++column)
         parts[i].pivot[column] =
             glm::vec3(column < 3) * 2.0f * glm::vec3(column == 0, column == 1, column == 2) +
-            0.4f * glm::vec3(number(), number(), number());
+            0.4f * glm::vec3{number(), number(), number()};
       parts[i].to_object = pack.parts[0].to_object;
-      parts[i].to_object[3] += 0.2f * glm::vec3(number(), number(), number());
+      parts[i].to_object[3] += 0.2f * glm::vec3{number(), number(), number()};
     }
     parts[2] = pack.parts[0];
     parts[4].knots = std::move(knots_of_4);
@@ -72,9 +72,9 @@ struct Puppet {
     for (int part = 0; part < 6; ++part) {
       if (part == 2) continue;
       Motion& motion = *pose.motion(part);
-      motion.translation = 0.3f * far * glm::vec3(number(), number(), number());
-      motion.rotation = glm::normalize(glm::quat(1, far * number(), far * number(), far * number()));
-      motion.scale = glm::vec3(1) + 0.4f * far * glm::vec3(number(), number(), number());
+      motion.translation = 0.3f * far * glm::vec3{number(), number(), number()};
+      motion.rotation = glm::normalize(glm::quat{1, far * number(), far * number(), far * number()});
+      motion.scale = glm::vec3(1) + 0.4f * far * glm::vec3{number(), number(), number()};
     }
     pose.setMorph(asset(), "smile", far * number()).value();
     pose.motion(7)->translation.x = far * number();

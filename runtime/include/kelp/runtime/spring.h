@@ -155,7 +155,7 @@ class Spring {
   // True: something was pushed.
   bool pushAway(const Body& body, const Part& part, std::span<const Knot> pose, const glm::mat4& to_world,
                 const glm::vec3& center, float radius);
-  // spring_parts.cpp:
+  // Of lists, and of parts that hang on others:
   Result<void> list(std::span<const Part> parts, std::span<const int> listed, const Allocator& allocator);
   Result<void> hang(const Asset& asset, const Allocator& allocator);
   glm::mat4 frameAt(const Spot& spot, const Pose& pose) const;
