@@ -43,6 +43,12 @@ BOW = {"knots": [{"at": 0}, {"at": 0.5, "offset": [0.2, 0, 0.1]}, {"at": 1, "off
        "clips": {"flap": {"waves": [{"knot": 2, "offset": [0.3, 0, -0.1], "period": 4}]}}}
 FOUR = {"-x-z": {}, "+x-z": PAPER, "-x+z": LEAN, "+x+z": BOW}
 
+# Sections: a squash that keeps the volume or not; a bulge with a taper; a twist.
+SQUASH = [{"at": 0}, {"at": 1, "offset": [0, -0.4, 0]}]
+KEPT = [dict(knot, keep_volume=True) for knot in SQUASH]
+BULGE = [{"at": 0}, {"at": 0.5, "width": 2}, {"at": 1, "width": [0.5, 1]}]
+TURN = {"turn": {"waves": [{"knot": 1, "twist": 180, "period": 4}]}}
+
 # Sheet: title, note, and rows of tiles: what is written below, knots (or sides), clips, and the clip and
 # second that are shown.
 SHEETS = {
@@ -59,6 +65,9 @@ SHEETS = {
         ("one edge, level at its ends", {"+x+z": PAPER}, {}, None),
         ("four edges", FOUR, {}, None),
         ("the same in a clip", FOUR, {}, ("flap", 1))]]),
+    "rig_sections": ("sections", "widths and twists along the spline", [[
+        ("last knot down by 0.4", SQUASH, {}, None), ("the same, its volume kept", KEPT, {}, None),
+        ("width 2, then 0.5 and 1", BULGE, {}, None), ("twist 180 in a wave, at 1 s", TWO, TURN, ("turn", 1))]]),
 }
 
 
@@ -105,7 +114,7 @@ def write_slab(path):
 
 
 def main():
-    parser = figures.Parser(description="Draws rig_knots.png, rig_clips.png and rig_sides.png in --out.")
+    parser = figures.Parser(description="Draws rig_knots.png, rig_clips.png, rig_sides.png and rig_sections.png in --out.")
     parser.add_argument("--bin", required=True, help="the folder of kelp-bake and kelp-render")
     parser.add_argument("--out", required=True, help="the folder for packs, tiles and the sheets")
     parser.add_argument("--tile", type=int, default=210, help="the width of a tile in pixels")
@@ -127,6 +136,8 @@ def main():
                     write_slab(studio.path(own + ".obj"))
                 else:
                     write_post(studio.path(own + ".obj"), knots)
+                    if name == "rig_sections":
+                        rig, yaw = dict(rig, bend="cage", cell=4), 30
                 with open(studio.path(own + ".rig.json"), "w", encoding="ascii") as file:
                     json.dump(rig, file)
                 pack = studio.bake(studio.path(own + ".obj"), own)

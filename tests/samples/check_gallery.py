@@ -12,7 +12,7 @@ DRAWN = {
     "figures.py": ("figure6.png", "figure7.png"),
     "bends.py": ("bends.png", "tentacle.png"),
     "skins.py": ("octopus.png",),
-    "rigs.py": ("rig_knots.png", "rig_clips.png", "rig_sides.png"),
+    "rigs.py": ("rig_knots.png", "rig_clips.png", "rig_sides.png", "rig_sections.png"),
     "gallery.py": ("looks.png", "light.png", "fog.png", "texture.png", "slices.png", "collider.png",
                    "mirror.png", "jelly.png", "underwater.png", "kelp_view.png"),
 }
