@@ -67,7 +67,8 @@ SHEETS = {
         ("the same in a clip", FOUR, {}, ("flap", 1))]]),
     "rig_sections": ("sections", "widths and twists along the spline", [[
         ("last knot down by 0.4", SQUASH, {}, None), ("the same, its volume kept", KEPT, {}, None),
-        ("width 2, then 0.5 and 1", BULGE, {}, None), ("twist 180 in a wave, at 1 s", TWO, TURN, ("turn", 1))]]),
+        ("width 2, then 0.5 and 1", BULGE, {}, None),
+        ("twist 180 in a wave, at 1 s", TWO, TURN, ("turn", 1))]]),
 }
 
 
@@ -114,7 +115,8 @@ def write_slab(path):
 
 
 def main():
-    parser = figures.Parser(description="Draws rig_knots.png, rig_clips.png, rig_sides.png and rig_sections.png in --out.")
+    parser = figures.Parser(description="Draws rig_knots.png, rig_clips.png, rig_sides.png and "
+                                         "rig_sections.png in --out.")
     parser.add_argument("--bin", required=True, help="the folder of kelp-bake and kelp-render")
     parser.add_argument("--out", required=True, help="the folder for packs, tiles and the sheets")
     parser.add_argument("--tile", type=int, default=210, help="the width of a tile in pixels")
