@@ -122,7 +122,6 @@ std::vector<RawClip> realizeClips(const RigDescription& rig, std::uint32_t part)
       if (!track.of_section)
         clip.tracks.push_back({part, static_cast<std::uint32_t>(track.knot), track.target,
                                track.interpolation, realizeKeys(track, to_part)});
-    if (clip.waves.empty() && clip.tracks.empty()) clips.pop_back();
   }
   return clips;
 }
