@@ -228,7 +228,10 @@ Result<void> Pose::checkPart(int part) const {
     if (nodes->cages[0].placed.isMade(PoseCages::placedFor(*this, part))) return {};
   }
   const Shape& shape = const_cast<Pose*>(this)->shapes()[part];
-  return checkRig(shape.bend, knots(part), shape.size, shape.roll + motion(part)->roll);
+  if (const Result<void> rig = checkRig(shape.bend, knots(part), shape.size, shape.roll + motion(part)->roll);
+      !rig)
+    return rig;
+  return PoseCages::checkSections(*this, part);
 }
 
 Result<void> Pose::check() const {
@@ -245,6 +248,12 @@ void Pose::clamp() {
   for (int part = 0; part < parts(); ++part) {
     if (knots(part).empty() || checkPart(part)) continue;
     const NodesInPose* const nodes = PoseCages::of(*this, part);
+    if (!PoseCages::checkSections(*this, part)) {
+      const std::span<Knot> sections = writableKnots(nodes->sections);
+      std::copy_n(restKnots() + (sections.data() - knotData()), sections.size(), sections.begin());
+      moved(part);
+      if (checkPart(part)) continue;
+    }
     if (nodes && (nodes->written || nodes->followsParts())) {
       PoseCages::clamp(*this, part);
     } else if (shapes()[part].bend == Bend::kSweep) {

@@ -118,6 +118,31 @@ TEST_F(Sections, ThatMayCollapseAreNoted) {
   EXPECT_NE(notices("[0.1, -0.5]")[0].find("knot 1 may collapse"), std::string::npos);
 }
 
+// Where nobody gives cells, they are small enough; where they cannot be, a notice says so.
+TEST_F(Sections, ChooseTheirCells) {
+  Settings settings;
+  settings.rig_file = scratch.write(
+      "column.json",
+      R"({"kelp": 1, "bend": "cage", "knots": [{"at": 0}, {"at": 0.5, "width": 1.2}, {"at": 1}]})");
+  const std::filesystem::path column = scratch.write("column.obj", kColumn);
+  for (const int resolution : {60, 100, 128, 200}) {
+    const BakedAsset baked(column, settings, resolution);
+    EXPECT_TRUE(baked.report.notices.empty());
+    const runtime::Pose pose = *runtime::Pose::create(baked.asset());
+    double widest = 0;
+    forNodes(baked, pose, [&](const glm::dvec3& rest, const glm::dvec3& now, double) {
+      widest = std::max(widest, std::hypot(now.x, now.z) / std::hypot(rest.x, rest.z));
+    });
+    EXPECT_NEAR(widest, 1.2, 0.012) << resolution;
+  }
+  EXPECT_EQ(BakedAsset(column, settings, 16).report.notices.size(), 1u);
+  settings.rig_file.reset();
+  settings.rig_preset = "twist";
+  const BakedAsset coarse(column, settings, 20);
+  EXPECT_EQ(coarse.pack().parts[0].cell, 2);
+  ASSERT_EQ(BakedAsset(column, settings, 8).report.notices.size(), 1u);
+}
+
 TEST_F(Sections, NeedACage) {
   EXPECT_NE(
       refusalOf(R"({"kelp": 1, "knots": [{"at": 0, "width": 2}, {"at": 1}]})").find("\"bend\": \"cage\""),

@@ -183,6 +183,16 @@ TEST(Section, WrongOnesAreRefused) {
       .value();
   EXPECT_FALSE(tower.pose.check());
   EXPECT_FALSE(posedCage(instance, 0, 0));
+  for (const PartSection& far : {PartSection{{1e30f, 1}}, PartSection{{1, 1}, -1e9f}}) {
+    Tower other(Bend::kSweep);
+    other.pose.setKnots(0, runtime::leaning()).value();
+    other.set(1, far);
+    EXPECT_EQ(other.pose.check().error().offset, 0u);
+    other.pose.clamp();
+    EXPECT_TRUE(other.pose.check());
+    EXPECT_EQ(other.pose.section(0, 1)->width, glm::vec2(1));
+    EXPECT_TRUE(posedCage({other.loaded.asset.get(), &other.pose}, 0, 0));
+  }
 }
 
 }  // namespace

@@ -94,6 +94,10 @@ std::uint64_t PoseCages::stateOf(const Pose& pose) {
   return XXH3_64bits(const_cast<Pose&>(pose).state(), pose.stateBytes()) >> 2;
 }
 
+std::uint64_t PoseCages::sumOf(std::span<const Knot> knots) {
+  return XXH3_64bits(knots.data(), knots.size_bytes()) >> 2;
+}
+
 const glm::mat4* PoseCages::drivenTo(const Pose& pose, int part) {
   const PoseCages* const all = pose.cages();
   return all && all->any_driven && all->is_driven[static_cast<std::size_t>(part)]

@@ -130,9 +130,11 @@ NodesInPose* PoseCages::of(const Pose& pose, int part) {
 
 std::uint64_t PoseCages::placedFor(const Pose& pose, int part) {
   const NodesInPose& nodes = *of(pose, part);
-  if (nodes.followsParts() || (nodes.sections >= 0 && !nodes.written)) return stateOf(pose);
-  if (nodes.written || const_cast<Pose&>(pose).shapes()[part].bend != Bend::kSweep) return 0;
-  return glm::floatBitsToUint(pose.motion(part)->roll);
+  if (nodes.followsParts()) return stateOf(pose);
+  if (nodes.written) return 0;
+  const std::uint64_t sections = nodes.sections >= 0 ? sumOf(pose.knots(nodes.sections)) : 0;
+  if (const_cast<Pose&>(pose).shapes()[part].bend != Bend::kSweep) return sections;
+  return sections ^ glm::floatBitsToUint(pose.motion(part)->roll);
 }
 
 std::uint64_t PoseCages::madeFor(const Pose& pose, int part) {
@@ -277,6 +279,19 @@ Result<void> PoseCages::check(const Pose& pose, int part) {
   Error error = kBadNode;
   error.offset = *bad;
   return error;
+}
+
+Result<void> PoseCages::checkSections(const Pose& pose, int part) {
+  constexpr float kMost = 0x1p16f;
+  const NodesInPose* const in = of(pose, part);
+  if (!in || in->sections < 0 || in->written) return {};
+  for (const Knot& knot : pose.knots(in->sections)) {
+    const PartSection its = sectionOf(knot);
+    const float most = std::max({std::abs(its.width.x), std::abs(its.width.y), std::abs(its.twist)});
+    if (!(most < kMost) || std::isnan(its.width.x + its.width.y + its.twist + its.keep_volume))
+      return kBadSection;
+  }
+  return {};
 }
 
 void PoseCages::clamp(Pose& pose, int part) {

@@ -118,8 +118,9 @@ struct PoseCages {
   static std::uint64_t placedFor(const Pose& pose, int part);
   // The same of all that is made of the nodes.
   static std::uint64_t madeFor(const Pose& pose, int part);
-  // A checksum of all knots and motions.
+  // A checksum of all knots and motions; of some knots.
   static std::uint64_t stateOf(const Pose& pose);
+  static std::uint64_t sumOf(std::span<const Knot> knots);
 
   // followed_parts.cpp: only with `rest`.
   // Where the host's joints take a part; null: they do not.
@@ -153,6 +154,8 @@ struct PoseCages {
   // An error if a node that the host wrote is no finite number, or too far away, or if parts take nodes
   // there.
   static Result<void> check(const Pose& pose, int part);
+  // An error if a section of the part has a width or a twist that is no finite number, or far too large.
+  static Result<void> checkSections(const Pose& pose, int part);
   // The first node that is no finite number, or too far away.
   static std::optional<std::size_t> badNode(const Pose& pose, int part, const glm::vec3* nodes,
                                             std::size_t count);

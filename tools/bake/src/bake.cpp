@@ -378,7 +378,10 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   }
   clock.begin("cages");
   addCages(job.model, settings, progress, input, job.sides, job.pack);
-  for (std::size_t i = 0; i < job.pack.parts.size(); ++i) report.parts[i].cell = job.pack.parts[i].cell;
+  for (std::size_t i = 0; i < job.pack.parts.size(); ++i) {
+    report.parts[i].cell = job.pack.parts[i].cell;
+    noteCoarseSections(job.model.parts[i], job.pack.parts[i], report);
+  }
   clock.begin("palette");
   choosePalette(job);
   clock.begin("levels");

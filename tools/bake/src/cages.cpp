@@ -19,10 +19,15 @@ namespace {
 // Of a pack's metadata; the rest is for the other tables.
 constexpr std::uint64_t kMostCageBytes = PackLimits{}.max_metadata_bytes / 16 * 15;
 
-// A skin chooses its own: the largest are the only ones that it may need.
-int cellOf(const SourcePart& part, const Settings& settings) {
+// A skin chooses its own: the largest are the only ones that it may need. Sections that nobody gives cells
+// have the largest that draw them to 1 %.
+int cellOf(const SourcePart& part, const Settings& settings, int height) {
   if (part.skin) return settings.cell.value_or(fields::kLargestCell);
-  return part.rig.cell != 0 ? part.rig.cell : settings.cell.value_or(kDefaultCell);
+  if (part.rig.cell != 0 || settings.cell) return part.rig.cell != 0 ? part.rig.cell : *settings.cell;
+  int cell = kDefaultCell;
+  while (part.sections >= 0 && cell > fields::kSmallestCell && sectionError(part.rig, height, cell) > 0.01)
+    cell /= 2;
+  return cell;
 }
 
 // As it is written where the part's cells are chosen.
@@ -74,7 +79,7 @@ const SourcePart* buildAll(SourceModel& model, const Settings& settings, int lea
     VoxelGrid& grid = *model.parts[i].grid;
     const int levels = levelCount(grid.size, settings.levels);
     if (part.cages.empty() || part.cell < least) {
-      part.cell = std::max(cellOf(model.parts[i], settings), least);
+      part.cell = std::max(cellOf(model.parts[i], settings, part.size.y), least);
       fields::Occupancy occupancy{grid.size, std::move(grid.solid)};
       const fields::SolidBits bits(occupancy, threadCount(settings.threads));
       grid.solid = std::move(occupancy.solid);
@@ -101,7 +106,7 @@ void checkCages(const SourceModel& model, const RawPack& pack, const Settings& s
                                               ": is fog, which has no cages; write \"bend\": \"sweep\" or "
                                               "\"shear\" in its rig");
     const glm::ivec3& size = pack.parts[i].size;
-    const int longest = std::max({size.x, size.y, size.z}), cell = cellOf(part, settings);
+    const int longest = std::max({size.x, size.y, size.z}), cell = cellOf(part, settings, size.y);
     if (longest <= kMostCageCells * cell) continue;
     int fits = cell;
     while (fits < fields::kLargestCell && longest > kMostCageCells * fits) fits *= 2;

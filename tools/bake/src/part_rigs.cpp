@@ -135,9 +135,16 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
   mergeClips(pack.clips, std::move(clips));
   checkClips(pack, input);
   checkTracks(model, pack, input);
+  std::set<std::uint32_t> sections;  // their knots are no places
+  for (const SourcePart& part : model.parts)
+    if (part.sections >= 0) sections.insert(static_cast<std::uint32_t>(part.sections));
   for (const RawClip& clip : pack.clips) {
     for (const auto& [part, share] : splitByPart(clip)) {
       const SourcePart& source = model.parts[part];
+      if (sections.contains(part)) {
+        report.clips.push_back({clip.name, source.name, clip.duration, 0, true, false, {}});
+        continue;
+      }
       try {
         const ClipReport proof = proveClip(share, part, rests[part], pack.parts[part].size);
         report.clips.push_back(

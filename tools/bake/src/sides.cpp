@@ -39,15 +39,16 @@ void checkSections(const std::filesystem::path& input, const SourcePart& part) {
                             : !part.rig.caged ? "is not bent by a cage; write \"bend\": \"cage\", or"
                                               : nullptr;
   if (wrong)
-    refuseSides(input, part, Exit::kUnsupported,
-                fmt::format("the part {} take \"width\", \"twist\" and \"keep_volume\" out", wrong));
+    refuseSides(
+        input, part, Exit::kUnsupported,
+        fmt::format("the part {} take a rig without \"width\", \"twist\" and \"keep_volume\"", wrong));
 }
 
 // A notice for the first section that a clip may narrow to nothing.
 void noteCollapse(const SourcePart& part, Report& report) {
   for (const RigDescription::Clip& clip : part.rig.clips) {
-    for (std::size_t knot = 0; knot < part.rig.knots.size(); ++knot) {
-      glm::vec2 least = part.rig.knots[knot].section.width;
+    for (std::size_t knot = 0; knot < std::max<std::size_t>(part.rig.knots.size(), 2); ++knot) {
+      glm::vec2 least = part.rig.knots.empty() ? glm::vec2(1) : part.rig.knots[knot].section.width;
       const auto isWidth = [&](const auto& mover) {
         return mover.of_section && mover.target == Target::kKnotOffset &&
                static_cast<std::size_t>(mover.knot) == knot;
@@ -86,6 +87,66 @@ SourcePart sidePart(const SourcePart& body, const Frame& frame, const std::strin
 
 }  // namespace
 
+double sectionError(const RigDescription& rig, int height, int cell) {
+  // For each knot, its section at rest, and by how much clips change it at most.
+  struct Range {
+    double y;
+    glm::dvec2 width{1}, widened{0};
+    double twist = 0, turned = 0;
+  };
+  std::vector<Range> knots;
+  for (const Knot& knot : realizeKnots(rig)) knots.push_back({static_cast<double>(knot.at) * height});
+  for (std::size_t i = 0; i < rig.knots.size(); ++i) {
+    knots[i].width = rig.knots[i].section.width;
+    knots[i].twist = static_cast<double>(rig.knots[i].section.twist);
+  }
+  for (const RigDescription::Clip& clip : rig.clips) {
+    std::vector<std::pair<glm::dvec2, double>> by(knots.size());
+    const auto add = [&](const auto& mover, const glm::dvec2& most) {
+      auto& [widened, turned] = by[static_cast<std::size_t>(mover.knot)];
+      if (mover.of_section && mover.target == Target::kKnotOffset) widened += most;
+      if (mover.of_section && mover.target == Target::kKnotTangent) turned += most.x;
+    };
+    for (const RigDescription::Wave& wave : clip.waves) add(wave, glm::abs(glm::dvec2(wave.amplitude)));
+    for (const RigDescription::Track& track : clip.tracks) {
+      glm::dvec2 most(0);
+      for (const RigDescription::Key& key : track.keys)
+        most = glm::max(most, glm::abs(glm::dvec2(key.value)));
+      add(track, most);
+    }
+    for (std::size_t i = 0; i < knots.size(); ++i) {
+      knots[i].widened = glm::max(knots[i].widened, by[i].first);
+      knots[i].turned = std::max(knots[i].turned, by[i].second);
+    }
+  }
+  double worst = 0;
+  glm::dvec2 slope(0), sloped(0);  // at rest, and what clips add
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    const Range &low = knots[i], &high = knots[i + 1];
+    const double rise = high.y - low.y;
+    const double turns = std::abs(high.twist - low.twist) + low.turned + high.turned;
+    worst = std::max(worst, 1 - std::cos(std::min(0.5 * turns / rise * std::min<double>(cell, rise), 1.57)));
+    const glm::dvec2 now = (high.width - low.width) / rise, more = (high.widened + low.widened) / rise;
+    const double below = std::fmod(low.y, cell);
+    const glm::dvec2 cut =
+        (glm::abs(now - slope) + more + sloped) * below * (cell - below) / static_cast<double>(cell);
+    if (i > 0) worst = std::max({worst, cut.x / low.width.x, cut.y / low.width.y});
+    slope = now;
+    sloped = more;
+  }
+  return worst;
+}
+
+void noteCoarseSections(const SourcePart& part, const RawPart& raw, Report& report) {
+  constexpr double kMuch = 0.02;
+  const double off = part.sections < 0 ? 0 : sectionError(part.rig, raw.size.y, raw.cell);
+  if (off > kMuch)
+    report.notices.push_back(fmt::format(
+        "part '{}': its sections change so fast that they are up to {:.0f} % narrower between the nodes of "
+        "cells of {} voxels than its rig says; bake with a higher --resolution, or smaller cells (--cell 2)",
+        part.name, 100 * off, raw.cell));
+}
+
 Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesystem::path& input) {
   Sides sides;
   std::vector<SourcePart> added;
@@ -112,14 +173,15 @@ Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesy
       refuseSides(input, body, Exit::kInvalid, error.what());
     }
   }
+  const bool adds = !added.empty();
   std::ranges::move(added, std::back_inserter(model.parts));
   frames.resize(model.parts.size());
-  if (!sides.empty() && model.parts.size() > PackLimits{}.max_parts)
-    throw ToolError(
-        Exit::kUnsupported,
-        fmt::format("{}: makes {} parts, sides included, and packs of more than {} are not read by "
-                    "default; give fewer parts sides, or leave --parts out",
-                    input.filename().string(), model.parts.size(), PackLimits{}.max_parts));
+  if (adds && model.parts.size() > PackLimits{}.max_parts)
+    throw ToolError(Exit::kUnsupported,
+                    fmt::format("{}: makes {} parts, those of sides and sections included, and packs of more "
+                                "than {} are not read by "
+                                "default; give fewer parts these, or leave --parts out",
+                                input.filename().string(), model.parts.size(), PackLimits{}.max_parts));
   return sides;
 }
 

@@ -80,6 +80,11 @@ Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesy
 // What the nodes of a part's finest cage follow: bilinear between the corners.
 std::vector<Influences> followSides(const RawPart& part, int levels,
                                     const std::array<std::uint32_t, 4>& followed);
+// How far off widths are at most, as a share, between the nodes of cells of this side, which follow sections
+// linearly, while a clip plays: a bulge is cut off, and what turns is drawn in. height: of the part, voxels.
+double sectionError(const RigDescription& rig, int height, int cell);
+// A notice if that is much.
+void noteCoarseSections(const SourcePart& part, const RawPart& raw, Report& report);
 // A notice for each part whose sides cross, or whose sections a clip may narrow to nothing. `pack`: has its
 // rigs.
 void noteCrossings(const SourceModel& model, const Sides& sides, const RawPack& pack, Report& report);

@@ -150,6 +150,12 @@ Rebent::Rebent(const std::string& path, const Source& source, Bend bend, bool ca
       throw ToolError(Exit::kUnsupported,
                       fmt::format("{}: --bend {}: part {} bends as its joints move; leave --bend out", path,
                                   toString(bend, caged), part.name));
+    if (part.sections >= 0)
+      throw ToolError(
+          Exit::kUnsupported,
+          fmt::format("{}: --bend {}: part {} has sections, which are bent by its own cage alone; "
+                      "leave --bend out",
+                      path, toString(bend, caged), part.name));
     if (caged && part.kind == PartKind::kSolid)
       (*rigs.cages)[rigs.parts.size()] = cagesOf(path, pack, static_cast<int>(rigs.parts.size()));
     RawRig& rest = rigs.parts.emplace_back(restRig(part));

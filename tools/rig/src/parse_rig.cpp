@@ -45,18 +45,19 @@ MovedThing readTarget(const Place& place, std::span<const MovedThing> targets) {
                   "'; exactly one of " + words + " is allowed: write two entries");
 }
 
-// One factor for both axes across, or one for each.
-glm::vec2 readWidth(const Place& place, double least = -kLargest) {
-  if (!place.json.is_array()) return glm::vec2(readFloat(place, least, kLargest));
+// One factor for both axes across, or one for each; less `rest`.
+glm::vec2 readWidth(const Place& place, double rest = 0, double least = -kLargest) {
+  const auto read = [&](const Place& one) { return static_cast<float>(readNumber(one, least) - rest); };
+  if (!place.json.is_array()) return glm::vec2(read(place));
   if (place.json.size() != 2) fail(place, "must be a number, or two: one for each axis across the rig's");
-  return {readFloat(place.at(0), least, kLargest), readFloat(place.at(1), least, kLargest)};
+  return {read(place.at(0)), read(place.at(1))};
 }
 float readTwist(const Place& place) { return static_cast<float>(glm::radians(readNumber(place))); }
 
 RigDescription::Section readSection(const Place& knot) {
   constexpr double kNarrowest = 1e-3;
   RigDescription::Section section;
-  if (knot.has("width")) section.width = readWidth(knot.at("width"), kNarrowest);
+  if (knot.has("width")) section.width = readWidth(knot.at("width"), 0, kNarrowest);
   if (knot.has("twist")) section.twist = readTwist(knot.at("twist"));
   if (knot.has("keep_volume")) {
     const Place keep = knot.at("keep_volume");
@@ -115,7 +116,7 @@ RigDescription::Wave readWave(const Place& place, std::size_t knots) {
 // A key's value, or a slope of the same kind. `slope`: no unit length, no rest value.
 glm::vec4 readKeyValue(const Place& place, const MovedThing& moved, bool slope) {
   if (moved == kTwist) return {readTwist(place), 0, 0, 0};
-  if (moved == kWidth) return glm::vec4(readWidth(place) - (slope ? 0.0f : 1.0f), 0, 0);
+  if (moved == kWidth) return glm::vec4(readWidth(place, slope ? 0 : 1), 0, 0);
   const Target target = moved.target;
   if (target == Target::kPartRotation) {
     if (!slope) return readRotation(place);

@@ -26,7 +26,7 @@ struct Motion {
   bool operator==(const Motion&) const = default;
 };
 
-// How a section across a part's spline differs from rest. A width of 0 or less draws nothing there.
+// How a section across a part's spline differs from rest. A width of 0 draws nothing there.
 struct PartSection {
   glm::vec2 width{1};     // factors along the part's x and z, before it is turned
   float twist = 0;        // radians, about the spline, by the right hand

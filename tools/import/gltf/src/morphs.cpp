@@ -57,6 +57,7 @@ void GltfSkins::addTargets(int node) {
       mesh.extras.Has("targetNames") ? mesh.extras.Get("targetNames") : tinygltf::Value();
   std::vector<double> rest = restingWeights(model_, node);
   rest.resize(count, 0);
+  constexpr std::size_t kMostText = 400;
   std::string resting;
   for (std::size_t i = 0; i < count; ++i) {
     std::string name;
@@ -65,7 +66,8 @@ void GltfSkins::addTargets(int node) {
     if (name.empty())
       name =
           fmt::format("{}.{}", mesh.name.empty() ? fmt::format("mesh {}", index) : oneLine(mesh.name, 80), i);
-    if (rest[i] != 0) resting += fmt::format("{}'{}' {:g}", resting.empty() ? "" : ", ", name, rest[i]);
+    if (rest[i] != 0 && resting.size() < kMostText)
+      resting += fmt::format("{}'{}' {:g}", resting.empty() ? "" : ", ", name, rest[i]);
     skin_.morphs.push_back({std::move(name), {}, {}});
   }
   if (!resting.empty())
@@ -112,19 +114,18 @@ void GltfSkins::addWeights(const std::vector<const GltfMorphChannel*>& channels,
 void GltfSkins::joinMorphs() {
   const std::size_t count = skin_.morphs.size();
   const auto alike = [&](std::size_t a, std::size_t b) {
-    return rests_[a] == rests_[b] &&
-           std::all_of(skin_.clips.begin(), skin_.clips.end(), [&](const SourceSkin::Clip& clip) {
-             for (std::size_t i = 0; i < clip.weights.size(); i += count)
-               if (clip.weights[i + a] != clip.weights[i + b]) return false;
-             return true;
-           });
+    return std::all_of(skin_.clips.begin(), skin_.clips.end(), [&](const SourceSkin::Clip& clip) {
+      for (std::size_t i = 0; i < clip.weights.size(); i += count)
+        if (clip.weights[i + a] != clip.weights[i + b]) return false;
+      return true;
+    });
   };
-  std::map<std::string, std::vector<std::size_t>> by_name;
+  std::map<std::pair<std::string, double>, std::vector<std::size_t>> by_name;  // and rest
   std::vector<SourceSkin::Morph> joined;
   std::vector<std::size_t> kept, place(count);
   for (std::size_t m = 0; m < count; ++m) {
     SourceSkin::Morph& its = skin_.morphs[m];
-    std::vector<std::size_t>& same = by_name[its.name];
+    std::vector<std::size_t>& same = by_name[{its.name, rests_[m]}];
     const auto found = std::find_if(same.begin(), same.end(), [&](std::size_t k) { return alike(k, m); });
     if (found == same.end()) {
       same.push_back(m);
