@@ -89,6 +89,7 @@ RawCages cagesOf(const std::string& path, const Pack& pack, int index) {
   if (2 * denseCount(part.size) + fields::SolidBits::bytes(part.size) > mostMemory()) failTooLarge(path);
   return {cell,
           fields::buildCages(checkPack(path, readRawLevel(pack, index, 0)), part.size, part.levels, cell),
+          {},
           {}};
 }
 
