@@ -135,12 +135,13 @@ TEST_F(Sections, ChooseTheirCells) {
     });
     EXPECT_NEAR(widest, 1.2, 0.012) << resolution;
   }
-  EXPECT_EQ(BakedAsset(column, settings, 16).report.notices.size(), 1u);
-  settings.rig_file.reset();
-  settings.rig_preset = "twist";
-  const BakedAsset coarse(column, settings, 20);
+  settings.rig_file = scratch.write(
+      "turn.json", R"({"kelp": 1, "bend": "cage", "knots": [{"at": 0}, {"at": 1, "twist": 360}]})");
+  EXPECT_TRUE(BakedAsset(column, settings, 128).report.notices.empty());
+  const BakedAsset coarse(column, settings, 16);
   EXPECT_EQ(coarse.pack().parts[0].cell, 2);
-  ASSERT_EQ(BakedAsset(column, settings, 8).report.notices.size(), 1u);
+  ASSERT_EQ(coarse.report.notices.size(), 1u);
+  EXPECT_NE(coarse.report.notices[0].find("8 % narrower"), std::string::npos) << coarse.report.notices[0];
 }
 
 TEST_F(Sections, NeedACage) {

@@ -407,7 +407,7 @@ TEST(FollowedParts, MotionsThatAreNoNumbersAreRefused) {
 // A sphere that a spring meets pushes nodes away from where the parts take them.
 TEST(FollowedParts, SpringsPushTheNodes) {
   Puppet puppet(4);
-  puppet.move(1, 0.3f);
+  puppet.move(1, 0.1f);
   puppet.pose.setMorph(puppet.asset(), "smile", 0).value();
   puppet.pose.setMorph(puppet.asset(), "frown", 0).value();
   const Box box = bounds(puppet.instance());
