@@ -314,8 +314,9 @@ inline void addMorphs(RawPart& part, const std::vector<std::uint32_t>& targets, 
     for (std::uint32_t node = 0; node < part.influences.size(); ++node) {
       if (random() % 3 > 0) continue;
       morph.nodes.push_back(node);
-      morph.offsets.push_back(glm::ivec3(random() % 601, random() % 601, random() % 601) - 300);
-      if (morph.offsets.back() == glm::ivec3(0)) morph.offsets.back().x = 1;
+      glm::ivec3& offset = morph.offsets.emplace_back();
+      for (const int axis : {2, 1, 0}) offset[axis] = static_cast<int>(random() % 601) - 300;
+      if (offset == glm::ivec3(0)) offset.x = 1;
     }
   }
 }
