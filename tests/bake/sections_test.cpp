@@ -88,7 +88,7 @@ TEST_F(Sections, PresetsMoveThem) {
   }
 }
 
-// What kelp-dump rig prints bakes to the same pack.
+// The rig that kelp-dump prints bakes to the same pack.
 TEST_F(Sections, ComeBackFromThePack) {
   const std::string rig = R"({"kelp": 1, "axis": "-y", "bend": "cage", "knots": [{"at": 0, "twist": 20},
     {"at": 0.5, "width": [1.2, 0.9], "keep_volume": true}, {"at": 1}],

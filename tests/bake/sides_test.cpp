@@ -52,7 +52,7 @@ struct Knots {
     return "\"knots\":[" + knot_text + "]" +
            (waves.empty() ? "" : ",\"clips\":{\"go\":{\"waves\":[" + waves + "]}}");
   }
-  // What the clip adds, times its amplitude.
+  // The clip adds this times its amplitude.
   double swing(double seconds) const {
     return seconds < 0 ? 0 : std::sin(2 * std::numbers::pi * (seconds / period + phase));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a solver is told of nodes: the volume that they carry, and their neighbors.
+// A solver asks for the volume that nodes carry, and for their neighbors.
 #include "kelp/runtime/soft_body.h"
 
 #include <gtest/gtest.h>

@@ -65,7 +65,7 @@ TEST(MorphNodes, WhatIsSmallNeedsSmallCells) {
   EXPECT_GT(shape.cage(16).morphs[0].fit.distances.mean, 0.3);
 }
 
-// What no target moves keeps still: the nodes of a box that stands apart are not named.
+// Where no target moves anything, all keeps still: the nodes of a box that stands apart are not named.
 TEST(MorphNodes, OthersAreLeftOut) {
   test::SkinnedShape shape;
   shape.addJoint(-1, {0, 0, 0});

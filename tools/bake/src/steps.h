@@ -77,7 +77,7 @@ using Sides = std::map<std::size_t, std::array<std::uint32_t, 4>>;
 // Appends these parts, which are empty, and as many frames, which are padded. ToolError for sides that cannot
 // be.
 Sides addSides(SourceModel& model, std::vector<Frame>& frames, const std::filesystem::path& input);
-// What the nodes of a part's finest cage follow: bilinear between the corners.
+// The parts that the nodes of a part's finest cage follow: bilinear between the corners.
 std::vector<Influences> followSides(const RawPart& part, int levels,
                                     const std::array<std::uint32_t, 4>& followed);
 // How far off widths are at most, as a share, between the nodes of cells of this side, which follow sections

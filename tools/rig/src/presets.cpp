@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <vector>
+
 #include "kelp/rig/rig.h"
 
 namespace kelp {
@@ -66,30 +68,26 @@ RigDescription swim(Axis axis) {
   return rig;
 }
 
-// What lives: the middle widens and narrows.
-RigDescription breathe(Axis axis) {
+// One wave of sections, in a cage.
+RigDescription sections(Axis axis, std::vector<float> knots, const char* clip,
+                        const RigDescription::Wave& wave) {
   RigDescription rig;
   rig.axis = axis;
-  rig.knots = {
-      {0, glm::vec3(0), std::nullopt}, {0.5f, glm::vec3(0), std::nullopt}, {1, glm::vec3(0), std::nullopt}};
-  RigDescription::Clip clip{"breathe", 4.0f, {}, {}};
-  clip.waves = {{1, Target::kKnotOffset, {0.08f, 0.08f, 0}, 4, 0, true}};
-  rig.clips.push_back(clip);
+  for (const float at : knots) rig.knots.push_back({at, glm::vec3(0), std::nullopt});
+  rig.clips.push_back({clip, wave.period, {wave}, {}});
   rig.bend = Bend::kSweep;
   rig.caged = true;
   return rig;
 }
 
+// A chest: the middle widens and narrows.
+RigDescription breathe(Axis axis) {
+  return sections(axis, {0, 0.5f, 1}, "breathe", {1, Target::kKnotOffset, {0.08f, 0.08f, 0}, 4, 0, true});
+}
+
 // A tower: its end turns about the axis, a quarter turn to each side.
 RigDescription twist(Axis axis) {
-  RigDescription rig;
-  rig.axis = axis;
-  RigDescription::Clip clip{"twist", 6.0f, {}, {}};
-  clip.waves = {{1, Target::kKnotTangent, {1.57079633f, 0, 0}, 6, 0, true}};
-  rig.clips.push_back(clip);
-  rig.bend = Bend::kSweep;
-  rig.caged = true;
-  return rig;
+  return sections(axis, {0, 1}, "twist", {1, Target::kKnotTangent, {1.57079633f, 0, 0}, 6, 0, true});
 }
 
 }  // namespace

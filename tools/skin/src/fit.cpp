@@ -61,28 +61,37 @@ std::vector<glm::dvec3> posedNodes(const Cage& cage, std::span<const Influences>
   return nodes;
 }
 
-// Distances by area, counted in steps.
-class Histogram {
+// Distances at samples by area, counted in steps; and the joint at the greatest.
+class SampleDistances {
  public:
-  void add(double distance, double area) {
+  explicit SampleDistances(const SkinSamples& samples) : samples_(samples) {}
+  void add(std::size_t sample, double distance) {
     const double step = std::min(distance * kSteps, static_cast<double>(areas_.size() - 1));
-    areas_[static_cast<std::size_t>(step)] += area;
-    sum_ += area * distance;
-    area_ += area;
-    max_ = std::max(max_, distance);
+    areas_[static_cast<std::size_t>(step)] += samples_.areas[sample];
+    sum_ += samples_.areas[sample] * distance;
+    area_ += samples_.areas[sample];
+    if (distance <= max_) return;
+    max_ = distance;
+    joint_ = samples_.heaviestJoint(sample);
   }
-  SkinDistances distances() const {
-    if (!(area_ > 0)) return {};
+  CageFit fit() const {
+    CageFit fit;
+    fit.joint = joint_;
+    if (!(area_ > 0)) return fit;
     double below = 0;
     std::size_t step = 0;
     while (step + 1 < areas_.size() && (below += areas_[step]) < 0.95 * area_) ++step;
-    return {sum_ / area_, std::min(static_cast<double>(step + 1) / kSteps, max_), max_};
+    const double most = std::max(max_, 0.0);
+    fit.distances = {sum_ / area_, std::min(static_cast<double>(step + 1) / kSteps, most), most};
+    return fit;
   }
 
  private:
   static constexpr int kSteps = 512, kFarthest = 64;  // of a voxel; voxels
+  const SkinSamples& samples_;
   std::vector<double> areas_ = std::vector<double>(std::size_t{kSteps} * kFarthest, 0);
-  double sum_ = 0, area_ = 0, max_ = 0;
+  double sum_ = 0, area_ = 0, max_ = -1;
+  std::uint32_t joint_ = 0;
 };
 
 }  // namespace
@@ -120,9 +129,7 @@ std::vector<SkinMoment> inventedMoments(const SourceSkin& skin, const Frame& fra
 CageFit fitOf(const SkinSamples& samples, const SamplePlaces& places, const Cage& cage,
               std::span<const Influences> influences, const MorphOffsets& morphs,
               std::span<const SkinMoment> moments) {
-  CageFit fit;
-  Histogram all;
-  double most = -1;
+  SampleDistances all(samples);
   for (const SkinMoment& moment : moments) {
     const std::vector<glm::dvec3> nodes = posedNodes(cage, influences, morphs, moment),
                                   morphed = morphedSamples(samples, morphs, moment.weights);
@@ -130,15 +137,10 @@ CageFit fitOf(const SkinSamples& samples, const SamplePlaces& places, const Cage
       if (!places[i]) continue;
       glm::dvec3 at(0);
       for (int k = 0; k < 4; ++k) at += places[i]->weights[k] * nodes[places[i]->nodes[k]];
-      const double distance = glm::distance(at, skinnedAt(samples, i, morphed[i], moment.joints));
-      all.add(distance, samples.areas[i]);
-      if (distance <= most) continue;
-      most = distance;
-      fit.joint = samples.heaviestJoint(i);
+      all.add(i, glm::distance(at, skinnedAt(samples, i, morphed[i], moment.joints)));
     }
   }
-  fit.distances = all.distances();
-  return fit;
+  return all.fit();
 }
 
 CageFit fitOfMorph(const SkinSamples& samples, const SamplePlaces& places, const Cage& cage,
@@ -146,22 +148,15 @@ CageFit fitOfMorph(const SkinSamples& samples, const SamplePlaces& places, const
   std::vector<glm::dvec3> nodes(cage.nodes(), glm::dvec3(0)), wanted(samples.size(), glm::dvec3(0));
   addOffsets(morphs.of_nodes[morph], 1, nodes);
   for (const Offset& offset : morphs.of_samples[morph]) wanted[offset.index] = offset.by;
-  CageFit fit;
-  Histogram all;
-  double most = -1;
+  SampleDistances all(samples);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (!places[i]) continue;
     glm::dvec3 by(0);
     for (int k = 0; k < 4; ++k) by += places[i]->weights[k] * nodes[places[i]->nodes[k]];
     if (by == glm::dvec3(0) && wanted[i] == glm::dvec3(0)) continue;
-    const double distance = glm::distance(by, wanted[i]);
-    all.add(distance, samples.areas[i]);
-    if (distance <= most) continue;
-    most = distance;
-    fit.joint = samples.heaviestJoint(i);
+    all.add(i, glm::distance(by, wanted[i]));
   }
-  fit.distances = all.distances();
-  return fit;
+  return all.fit();
 }
 
 }  // namespace kelp::bake

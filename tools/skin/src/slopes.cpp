@@ -11,7 +11,7 @@
 namespace kelp::bake {
 namespace {
 
-// What is along the normal should go out of the posed surface by so much of its length, and must by more than
+// A step along the normal should go out of the posed surface by so much of its length, and must by more than
 // nothing.
 constexpr double kOut = 0.6;
 constexpr double kSteepest = 0.1;

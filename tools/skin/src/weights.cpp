@@ -38,7 +38,8 @@ std::vector<Edge> edgesOf(const Cage& cage) {
   return edges;
 }
 
-// What nodes count in the change of what is interpolated at a place, over a cell's side along a direction.
+// How much nodes count in the change of a number interpolated at a place, over a cell's side along a
+// direction.
 std::array<double, 4> alongNormal(const CagePlaces::Place& place, const Cage& cage,
                                   const glm::dvec3& normal) {
   std::array<double, 4> along{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a soft body or another solver of the host's needs to know of a cage's nodes. It puts them where it
+// The nodes of a cage for a soft body or another solver of the host's, which puts them where it
 // likes by Pose::nodes(). Of the part's finest cage; nodes are numbered as there. Beside this,
 // cages[0].rest(i) is where node i is at rest, in part space (level-0 voxels), and cages[0].node(cell,
 // corner) the eight of a cell; part.to_object has the size of a voxel in meters. samples/jelly uses all of
